@@ -9,7 +9,7 @@ use glam::Vec3;
 /// Coefficients of `arccos(x)/√(1−x²)` for x in 0..=1, from the constant on; its relative error is
 /// 1e-8 before rounding.
 const ARC: [f32; 10] = [
-    1.570_796_3,
+    std::f32::consts::FRAC_PI_2,
     -0.999_995_8,
     0.785_258_7,
     -0.664_815_4,

@@ -8,6 +8,7 @@ use glam::Vec3;
 use rustc_hash::FxHashMap;
 
 use super::grouping::{Grouping, PolygonBounds};
+use super::surface::smooth_surfaces;
 use super::{
     Cluster, ClusteringMode, Element, ElementId, Hierarchy, NO_PARENT, Patch, PatchSums, Shape, adaptive, groups,
     octree,
@@ -43,11 +44,17 @@ pub(super) fn build(
         cluster_count: 0,
         leaf_count: scene.polygons.len(),
         initial_vertices,
+        smooth_surfaces: Arc::default(),
         around: None,
     };
-    hierarchy.lay_out(scene, &welded, grouping.tidied().unwrap_or_default());
-    hierarchy.finish_clusters(Hierarchy::ROOT);
-    hierarchy.add_outside(scene);
+    let vertices = hierarchy.vertices.clone();
+    let lay_out = || {
+        hierarchy.lay_out(scene, &welded, grouping.tidied().unwrap_or_default());
+        hierarchy.finish_clusters(Hierarchy::ROOT);
+        hierarchy.add_outside(scene);
+    };
+    let ((), surfaces) = rayon::join(lay_out, || smooth_surfaces(scene, &vertices, &welded));
+    hierarchy.smooth_surfaces = Arc::new(surfaces);
     hierarchy
 }
 

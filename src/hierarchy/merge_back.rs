@@ -45,6 +45,7 @@ impl Hierarchy {
             cluster_count: self.cluster_count,
             leaf_count: self.initial_patches.len(),
             initial_vertices: self.initial_vertices,
+            smooth_surfaces: self.smooth_surfaces.clone(),
             around: self.around.as_ref().map(Surroundings::whole),
         };
         for patch in merged.elements.iter_mut().filter(|element| !element.is_cluster()) {

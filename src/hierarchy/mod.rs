@@ -34,7 +34,6 @@ pub use order::{Order, Room};
 pub use patch::Patch;
 pub use sample::{PatchSums, SurfacePoint, point_on_polygon};
 pub use sky::{DEEPEST_SKY, SkyPart};
-pub use surface::smooth_surfaces;
 
 /// How the part of the hierarchy above the initial patches is built.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
@@ -172,6 +171,7 @@ pub struct Hierarchy {
     leaf_count: usize,
     /// Vertices of the initial patches, which come first.
     initial_vertices: usize,
+    smooth_surfaces: Arc<Vec<u32>>,
     /// The sky and the sun as elements.
     around: Option<Surroundings>,
 }
@@ -189,6 +189,12 @@ impl Hierarchy {
     /// Which parts of the polygons are hidden.
     pub fn reachability(&self) -> &Arc<Reachability> {
         &self.reachability
+    }
+
+    /// The smooth, same-material surface that each polygon of the scene belongs to, as the smallest
+    /// number of a polygon on it.
+    pub fn smooth_surfaces(&self) -> &[u32] {
+        &self.smooth_surfaces
     }
 
     /// The element with this id.
@@ -278,6 +284,7 @@ impl Hierarchy {
             reachability: self.reachability.clone(),
             cluster_count: self.cluster_count,
             initial_vertices: self.initial_vertices,
+            smooth_surfaces: self.smooth_surfaces.clone(),
             around: self.around.clone(),
         }
     }

@@ -46,7 +46,7 @@ impl Patch {
 }
 
 /// Area vector of a polygon with three or four corners: normal times area.
-fn area_vector(corners: &[Vec3]) -> Vec3 {
+pub(super) fn area_vector(corners: &[Vec3]) -> Vec3 {
     match *corners {
         [a, b, c] => 0.5 * (b - a).cross(c - a),
         [a, b, c, d] => 0.5 * (c - a).cross(d - b),

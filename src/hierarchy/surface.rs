@@ -5,7 +5,7 @@ use petgraph::unionfind::UnionFind;
 use rayon::prelude::*;
 use rustc_hash::FxHashSet;
 
-use super::{Hierarchy, Patch, Shape};
+use super::patch::area_vector;
 use crate::scene::Scene;
 
 /// Polygons that meet in an edge belong to one smooth surface when their normals differ by less
@@ -19,47 +19,54 @@ const SMOOTH_COSINE: f32 = 0.766;
 /// neither is the other's back), have the same material and meet at less than 40°; unless a wall
 /// stands on it ([`Scene::cut_edges`], or a third polygon that has the edge and rises in front of
 /// them).
-pub fn smooth_surfaces(scene: &Scene, hierarchy: &Hierarchy) -> Vec<u32> {
+///
+/// `vertices` are the positions of the scene's corners, those that coincide being one, and `welded`
+/// tells which one each of the scene's vertices is.
+pub(super) fn smooth_surfaces(scene: &Scene, vertices: &[Vec3], welded: &[u32]) -> Vec<u32> {
     let key = |[a, b]: [Vec3; 2]| {
         let bits = |end: Vec3| (end + Vec3::ZERO).to_array().map(f32::to_bits);
         let (a, b) = (bits(a), bits(b));
         (a.min(b), a.max(b))
     };
     let cuts: FxHashSet<_> = scene.cut_edges.iter().copied().map(key).collect();
-    let is_seam = |from: u32, to: u32| {
-        let vertices = hierarchy.vertices();
-        !cuts.is_empty() && cuts.contains(&key([vertices[from as usize], vertices[to as usize]]))
+    let is_seam =
+        |from: u32, to: u32| !cuts.is_empty() && cuts.contains(&key([vertices[from as usize], vertices[to as usize]]));
+    let face = |index: usize| {
+        let corners = scene.polygons[index].corners();
+        let mut face = Face { polygon: index as u32, corners: [0; 4], count: corners.len(), normal: Vec3::ZERO };
+        let mut positions = [Vec3::ZERO; 4];
+        for (place, corner) in corners.iter().enumerate() {
+            face.corners[place] = welded[*corner as usize];
+            positions[place] = vertices[face.corners[place] as usize];
+        }
+        Face { normal: area_vector(&positions[..corners.len()]).normalize_or_zero(), ..face }
     };
-    let patch_of = |id: u32| match hierarchy.element(super::ElementId(id)).shape {
-        Shape::Patch(patch) => Some(patch),
-        Shape::Cluster(_) | Shape::Sky(_) => None,
-    };
-    let patches = || hierarchy.initial_patches().iter().filter_map(|id| Some((id.0, patch_of(id.0)?)));
-    let edges = Edges::new(hierarchy.vertices().len(), patches);
-    let all_with = |from: u32, to: u32| edges.with(from, to).filter_map(patch_of);
-    let polygon = |patch: &Patch| &scene.polygons[patch.polygon as usize];
-    let joined_to = |patch: Patch| {
-        let others = edges_of(&patch).flat_map(move |(from, to)| {
+    let faces: Vec<Face> = (0..scene.polygons.len()).into_par_iter().with_min_len(1 << 12).map(face).collect();
+    let edges = Edges::new(vertices.len(), &faces);
+    let all_with = |from: u32, to: u32| edges.with(from, to).map(|index| &faces[index as usize]);
+    let polygon = |face: &Face| &scene.polygons[face.polygon as usize];
+    let joined_to = |face: &Face| {
+        let face = *face;
+        let others = face.edges().flat_map(move |(from, to)| {
             // Each pair once.
-            let joined = move |other: &Patch| {
-                patch.polygon < other.polygon
-                    && scene.has_same_finish(polygon(&patch), polygon(other))
-                    && patch.normal.dot(other.normal) > SMOOTH_COSINE
+            let joined = move |other: &&Face| {
+                face.polygon < other.polygon
+                    && scene.has_same_finish(polygon(&face), polygon(other))
+                    && face.normal.dot(other.normal) > SMOOTH_COSINE
             };
-            let is_open = move |other: &Patch| {
-                let is_wall = |third: Patch| {
-                    third.polygon != patch.polygon
+            let is_open = move |other: &&Face| {
+                let is_wall = |third: &Face| {
+                    third.polygon != face.polygon
                         && third.polygon != other.polygon
-                        && rises(hierarchy, &third, from, patch.normal + other.normal)
+                        && third.rises(vertices, from, face.normal + other.normal)
                 };
                 !is_seam(from, to) && !all_with(from, to).chain(all_with(to, from)).any(is_wall)
             };
             all_with(to, from).filter(joined).filter(is_open)
         });
-        others.map(|other| (patch.polygon, other.polygon)).collect::<Vec<_>>()
+        others.map(|other| (face.polygon, other.polygon)).collect::<Vec<_>>()
     };
-    let initial = hierarchy.initial_patches().par_iter().filter_map(|id| patch_of(id.0));
-    let joined: Vec<(u32, u32)> = initial.flat_map_iter(joined_to).collect();
+    let joined: Vec<(u32, u32)> = faces.par_iter().flat_map_iter(joined_to).collect();
     let mut surfaces = UnionFind::new(scene.polygons.len());
     for (a, b) in joined {
         surfaces.union(a, b);
@@ -72,8 +79,33 @@ pub fn smooth_surfaces(scene: &Scene, hierarchy: &Hierarchy) -> Vec<u32> {
     surfaces.into_iter().map(|surface| smallest[surface as usize]).collect()
 }
 
-/// The directed edges of patches, by the vertices that they start from. Several patches may have
-/// one: a doubled face's back runs like its neighbour's front.
+/// A polygon, by welded vertices.
+#[derive(Clone, Copy)]
+struct Face {
+    polygon: u32,
+    corners: [u32; 4],
+    count: usize,
+    normal: Vec3,
+}
+
+impl Face {
+    fn edges(self) -> impl Iterator<Item = (u32, u32)> {
+        (0..self.count).map(move |index| (self.corners[index], self.corners[(index + 1) % self.count]))
+    }
+
+    /// Whether it rises along `up` from this corner.
+    fn rises(&self, vertices: &[Vec3], corner: u32, up: Vec3) -> bool {
+        let (foot, up) = (vertices[corner as usize], up.normalize_or_zero());
+        let ways = self.corners[..self.count].iter().map(|corner| vertices[*corner as usize] - foot);
+        ways.map(|way| way.normalize_or_zero().dot(up)).fold(0.0, f32::max) > RISING
+    }
+}
+
+/// Sine of the least angle under which what stands on a surface rises.
+const RISING: f32 = 0.2;
+
+/// The directed edges of faces, by the vertices that they start from. Several faces may have one: a
+/// doubled face's back runs like its neighbour's front.
 struct Edges {
     /// Where the edges from each vertex begin.
     start: Vec<u32>,
@@ -82,41 +114,25 @@ struct Edges {
 }
 
 impl Edges {
-    fn new<P: Iterator<Item = (u32, Patch)>>(vertices: usize, patches: impl Fn() -> P) -> Self {
+    fn new(vertices: usize, faces: &[Face]) -> Self {
         let mut start = vec![0; vertices + 1];
-        let all = || patches().flat_map(|(id, patch)| edges_of(&patch).map(move |edge| (id, edge)));
+        let all = || faces.iter().flat_map(|face| face.edges().map(|edge| (face.polygon, edge)));
         all().for_each(|(_, (from, _))| start[from as usize + 1] += 1);
         for vertex in 1..start.len() {
             start[vertex] += start[vertex - 1];
         }
         let mut next = start.clone();
         let mut edges = vec![(0, 0); start.last().map_or(0, |count| *count as usize)];
-        for (id, (from, to)) in all() {
-            edges[next[from as usize] as usize] = (to, id);
+        for (polygon, (from, to)) in all() {
+            edges[next[from as usize] as usize] = (to, polygon);
             next[from as usize] += 1;
         }
         Self { start, edges }
     }
 
-    /// The patches that have an edge.
+    /// The polygons that have an edge.
     fn with(&self, from: u32, to: u32) -> impl Iterator<Item = u32> + use<'_> {
         let [first, last] = [0, 1].map(|by| self.start[from as usize + by] as usize);
         self.edges[first..last].iter().filter(move |edge| edge.0 == to).map(|edge| edge.1)
     }
-}
-
-/// Sine of the least angle under which what stands on a surface rises.
-const RISING: f32 = 0.2;
-
-/// Whether a polygon with this corner rises along `up`.
-fn rises(hierarchy: &Hierarchy, patch: &Patch, corner: u32, up: Vec3) -> bool {
-    let (corners, count) = hierarchy.corner_positions(patch);
-    let foot = hierarchy.vertices()[corner as usize];
-    let ways = corners[..count].iter().map(|corner| (*corner - foot).normalize_or_zero().dot(up.normalize_or_zero()));
-    ways.fold(0.0, f32::max) > RISING
-}
-
-fn edges_of(patch: &Patch) -> impl Iterator<Item = (u32, u32)> + use<> {
-    let (patch, count) = (*patch, patch.corners().len());
-    (0..count).map(move |index| (patch.corners()[index], patch.corners()[(index + 1) % count]))
 }

@@ -123,7 +123,7 @@ impl Solver {
     pub(super) fn lasting_bytes(&self) -> usize {
         let of_link = if self.is_watched() { LINK + LINK_IN_WINDOW } else { LINK };
         let timeline = self.timeline.as_ref().map_or(0, Timeline::bytes);
-        let tables = self.links.push_tables().bytes();
+        let tables = size_of_val(self.links.normal_moments());
         self.scene_bytes() + tables + timeline + self.links().len() * of_link
     }
 

@@ -12,7 +12,7 @@ use rayon::prelude::*;
 use rustc_hash::FxHashMap;
 
 use super::snapshot::{ClusterBox, Leaf, Mesh};
-use crate::hierarchy::{ElementId, Hierarchy, Shape, smooth_surfaces};
+use crate::hierarchy::{ElementId, Hierarchy, Shape};
 use crate::scene::Scene;
 
 /// How leaves become triangles.
@@ -40,7 +40,6 @@ pub struct ReconstructionMesh {
     starts: Vec<u32>,
     /// Leaf (index into the mesh's leaves) and weight; a vertex's weights sum to 1.
     shares: Vec<(u32, f32)>,
-    surfaces: Arc<Vec<u32>>,
     /// The element of the hierarchy that each leaf of the mesh is.
     own: Vec<ElementId>,
     /// Of each element, its place among the mesh's leaves.
@@ -65,36 +64,31 @@ impl ReconstructionMesh {
             Some(reconstruction) if reconstruction.elements == elements && reconstruction.kind == kind => {
                 reconstruction
             }
-            Some(reconstruction) => {
-                Self::build(hierarchy, link_elements, scene, (reconstruction.surfaces, reconstruction.clusters), kind)
-            }
-            None => {
-                let surfaces = Arc::new(smooth_surfaces(scene, hierarchy));
-                Self::build(hierarchy, link_elements, scene, (surfaces, Arc::new(cluster_boxes(hierarchy))), kind)
-            }
+            Some(reconstruction) => Self::build(hierarchy, link_elements, scene, reconstruction.clusters, kind),
+            None => Self::build(hierarchy, link_elements, scene, Arc::new(cluster_boxes(hierarchy)), kind),
         }
     }
 
-    /// For a hierarchy whose patches were merged back and numbered anew: smooth surfaces and boxes
-    /// stay, the mesh does not.
+    /// For a hierarchy whose patches were merged back and numbered anew: boxes stay, the mesh
+    /// does not.
     pub fn outdated(self) -> Self {
         Self { elements: OUTDATED, ..self }
     }
 
     /// The mesh of the hierarchy, or of what it has grown to, in another kind.
     pub fn rebuilt(&self, scene: &Scene, hierarchy: &Hierarchy, link_elements: usize, kind: MeshKind) -> Self {
-        Self::build(hierarchy, link_elements, scene, (self.surfaces.clone(), self.clusters.clone()), kind)
+        Self::build(hierarchy, link_elements, scene, self.clusters.clone(), kind)
     }
 
     fn build(
         hierarchy: &Hierarchy,
         link_elements: usize,
         scene: &Scene,
-        (surfaces, clusters): (Arc<Vec<u32>>, Arc<Vec<ClusterBox>>),
+        clusters: Arc<Vec<ClusterBox>>,
         kind: MeshKind,
     ) -> Self {
         let part = |patches: &[ElementId]| {
-            let mut builder = MeshBuilder::new(hierarchy, scene, &surfaces, kind);
+            let mut builder = MeshBuilder::new(hierarchy, scene, kind);
             patches.iter().for_each(|patch| hierarchy.leaves_below(*patch, &mut |leaf| builder.add_leaf(leaf)));
             builder.part
         };
@@ -124,7 +118,6 @@ impl ReconstructionMesh {
             clusters,
             starts,
             shares,
-            surfaces,
             own,
             place_of,
             first_triangles,
@@ -199,7 +192,6 @@ struct Part {
 struct MeshBuilder<'a> {
     hierarchy: &'a Hierarchy,
     scene: &'a Scene,
-    surfaces: &'a [u32],
     kind: MeshKind,
     part: Part,
     /// Mesh vertex by (hierarchy vertex, smooth surface).
@@ -210,11 +202,10 @@ struct MeshBuilder<'a> {
 }
 
 impl<'a> MeshBuilder<'a> {
-    fn new(hierarchy: &'a Hierarchy, scene: &'a Scene, surfaces: &'a [u32], kind: MeshKind) -> Self {
+    fn new(hierarchy: &'a Hierarchy, scene: &'a Scene, kind: MeshKind) -> Self {
         Self {
             hierarchy,
             scene,
-            surfaces,
             kind,
             part: Part::default(),
             vertex_of: FxHashMap::default(),
@@ -238,7 +229,8 @@ impl<'a> MeshBuilder<'a> {
             level: patch.level,
         });
         let reachable = element.area / whole_area;
-        let surface = if self.kind == MeshKind::Flat { id.0 } else { self.surfaces[patch.polygon as usize] };
+        let surface =
+            if self.kind == MeshKind::Flat { id.0 } else { self.hierarchy.smooth_surfaces()[patch.polygon as usize] };
         let corners = patch.corners();
         self.rim.clear();
         self.rim_reachable.clear();

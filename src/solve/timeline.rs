@@ -186,7 +186,7 @@ impl Solver {
         let mut light = self.links.emitted_light();
         light.truncate(elements);
         let never = CancelToken::new();
-        let surfaces = (self.links.surfaces(), self.links.push_tables());
+        let surfaces = (self.links.surfaces(), self.links.normal_moments());
         let gatherer = Gatherer::new(&hierarchy, &table, surfaces, self.links.rules(), !is_final);
         gatherer.enforce_closure(&mut light, &never);
         gatherer.converge(&mut light, PICTURE_TOLERANCE, FIRST_SWEEPS, &never);

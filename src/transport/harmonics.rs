@@ -54,6 +54,39 @@ impl IrradianceHarmonics {
     }
 }
 
+/// What the faces of a cluster reflect of light that reaches all of them alike and of lights from
+/// far away: means over its area of their reflectances ρ, times the terms of such a polynomial.
+#[derive(Clone, Copy, Default)]
+pub struct ReflectionMoments {
+    constant: Vec3,
+    linear: [Vec3; 3],
+    square: [Vec3; 6],
+}
+
+impl ReflectionMoments {
+    /// Adds a face with this normal; `reflectance` is its ρ times its share of the area.
+    pub fn add(&mut self, reflectance: Vec3, normal: Vec3) {
+        self.constant += reflectance;
+        self.linear.iter_mut().zip(normal.to_array()).for_each(|(sum, component)| *sum += component * reflectance);
+        self.square.iter_mut().zip(products(normal)).for_each(|(sum, product)| *sum += product * reflectance);
+    }
+
+    /// Mean reflectance.
+    pub fn mean(&self) -> Vec3 {
+        self.constant
+    }
+
+    /// Reflected radiosity in the mean over the area, W/m², of this irradiance on every face and of
+    /// these lights.
+    pub fn reflected(&self, even: Vec3, lights: Option<&IrradianceHarmonics>) -> Vec3 {
+        let constant = self.constant * even;
+        let Some(lights) = lights else { return constant };
+        let linear = self.linear.iter().zip(&lights.linear).map(|(mean, term)| *mean * *term).sum::<Vec3>();
+        let square = self.square.iter().zip(&lights.square).map(|(mean, term)| *mean * *term).sum::<Vec3>();
+        constant + self.constant * lights.constant + linear + square
+    }
+}
+
 /// How the patches of a cluster are turned: means over their area.
 #[derive(Clone, Copy, Default)]
 pub struct NormalMoments {

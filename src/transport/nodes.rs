@@ -1,8 +1,8 @@
-//! The tree as sweeps read it: they pass over all elements, and memory is what they wait for, so
-//! each element is the little that they ask of it. Leaves, which are most of it, are passed over by
+//! The tree as light reads it: where it passes over all elements, memory is what it waits for, so
+//! each element is the little that is asked of it. Leaves, which are most of it, are passed over by
 //! all threads, elements with children by one.
 
-use std::ops::{Add, Range};
+use std::ops::Range;
 
 use glam::Vec3;
 use rayon::prelude::*;
@@ -35,6 +35,8 @@ pub struct Node {
     pub polygon: u32,
     /// Area that light can reach, m².
     pub area: f32,
+    /// Unit normal of a patch.
+    pub normal: Vec3,
     pub kind: Kind,
     has_children: bool,
 }
@@ -56,12 +58,14 @@ pub struct Nodes {
 
 impl Node {
     fn of(element: &Element) -> Self {
-        let (kind, polygon) = match element.shape {
-            Shape::Patch(patch) => (if element.is_leaf() { Kind::Leaf } else { Kind::Split }, patch.polygon),
-            Shape::Cluster(_) => (Kind::Cluster, NONE),
-            Shape::Sky(_) => (Kind::Sky, NONE),
+        let (kind, polygon, normal) = match element.shape {
+            Shape::Patch(patch) if element.is_leaf() => (Kind::Leaf, patch.polygon, patch.normal),
+            Shape::Patch(patch) => (Kind::Split, patch.polygon, patch.normal),
+            Shape::Cluster(_) => (Kind::Cluster, NONE, Vec3::ZERO),
+            Shape::Sky(_) => (Kind::Sky, NONE, Vec3::ZERO),
         };
         Self {
+            normal,
             parent: element.parent().map_or(NONE, |parent| parent.0),
             polygon,
             area: element.area,
@@ -75,9 +79,14 @@ impl Node {
         (self.parent != NONE).then_some(self.parent as usize)
     }
 
-    /// Area of a leaf, m², and 0 of other elements, whose light is that of their leaves.
-    pub fn weight(&self) -> f32 {
-        if self.kind == Kind::Leaf { self.area } else { 0.0 }
+    /// Whether it has children.
+    pub fn has_children(&self) -> bool {
+        self.has_children
+    }
+
+    /// Whether it is a patch, split or not.
+    pub fn is_patch(&self) -> bool {
+        matches!(self.kind, Kind::Leaf | Kind::Split)
     }
 }
 
@@ -106,20 +115,6 @@ impl Nodes {
     /// Those with children, parents first.
     pub fn inner(&self) -> impl DoubleEndedIterator<Item = &Inner> {
         self.inner.iter()
-    }
-
-    /// Adds to each element's value those of all elements around it.
-    pub fn hand_down<T: Copy + Add<Output = T> + Send + Sync>(&self, mut own: Vec<T>) -> Vec<T> {
-        for inner in &self.inner {
-            if let Some(parent) = self.all[inner.index].parent() {
-                own[inner.index] = own[parent] + own[inner.index];
-            }
-        }
-        let of = |(index, node): (usize, &Node)| match node.parent() {
-            Some(parent) if !node.has_children => own[parent] + own[index],
-            _ => own[index],
-        };
-        self.all.par_iter().enumerate().with_min_len(CHUNK).map(of).collect()
     }
 
     /// Sets the radiosity of all elements with children, but those that lie outside, from their

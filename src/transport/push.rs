@@ -16,7 +16,9 @@ use rayon::prelude::*;
 use super::form_factor::CLUSTER_COSINE;
 use super::harmonics::{IrradianceHarmonics, NormalMoments, normal_moments};
 use super::link::{Link, LinkTable};
+use super::nodes::{Kind, Nodes};
 use super::rules::{ClusterModel, LinkRules, Push};
+use super::stem::{Stem, StemElement};
 use crate::base::cancel::CancelToken;
 use crate::hierarchy::{Cluster, Element, ElementId, Hierarchy, Shape};
 
@@ -28,38 +30,35 @@ const MOST_WITHOUT_HARMONICS: usize = 8;
 /// radii.
 const FAR: f32 = 3.0;
 
-/// What all pushes over one hierarchy read of its clusters and initial patches, whatever links
-/// there are; parallel to them.
-pub struct PushTables {
-    normal_moments: Vec<NormalMoments>,
-    /// Harmonics of each element: its own, or that of the nearest cluster above it that has one.
-    harmonics_of: Vec<u32>,
-    /// Clusters with harmonics, parents first.
-    with_harmonics: Vec<ElementId>,
-    /// The initial patches in their order.
-    faces: Vec<Face>,
-}
-
-/// Facts about an initial patch that are read whenever light is handed down.
-struct Face {
-    id: ElementId,
-    normal: Vec3,
-    harmonics: u32,
-}
-
-/// Hands light down over one table of links.
+/// Moves the light of one table of links to where they end, and on to the patches below.
 pub struct Pusher<'a> {
     hierarchy: &'a Hierarchy,
     links: &'a LinkTable,
-    tables: &'a PushTables,
     /// How each link's light is handed down, in the order of the table.
     weights: Vec<PushWeights>,
     /// Targets of the links of large clusters.
     link_targets: Vec<LinkTargets>,
+    /// The part of the tree that all of these end in.
+    stem: Stem,
+    /// Place in the stem of each link's source, in the order of the table.
+    sources: Vec<u32>,
     /// Small clusters that have links, with the place of the nearest one around each.
     lit: Vec<(ElementId, u32)>,
-    /// Place of the nearest one around each initial patch, in their order.
+    /// Place of the nearest one around each initial patch of the stem.
     lit_around: Vec<u32>,
+    /// Number of the harmonics of each element of the stem: its own, or those of the nearest
+    /// cluster above it that has any.
+    harmonics_of: Vec<u32>,
+    /// The harmonics around each of them, outermost first.
+    harmonics_around: Vec<u32>,
+}
+
+/// Light that has reached the stem.
+pub struct Arrived {
+    /// Irradiance of each element of the stem that reaches all of its faces alike, W/m²; of
+    /// patches, all of it.
+    even: Vec<Vec3>,
+    harmonics: Vec<IrradianceHarmonics>,
 }
 
 /// How a link's light is handed down, in multiples of the receiver's mean irradiance.
@@ -84,6 +83,14 @@ enum Target {
     Cluster(ElementId, Vec3),
     /// A patch, by its cosine towards the source.
     Patch(ElementId, f32),
+}
+
+impl Target {
+    fn id(&self) -> ElementId {
+        match *self {
+            Self::Cluster(id, _) | Self::Patch(id, _) => id,
+        }
+    }
 }
 
 /// Stands for "no such cluster".
@@ -111,39 +118,20 @@ impl PushWeights {
     }
 }
 
-impl PushTables {
-    /// Those of a hierarchy, of which nothing but initial patches and what lies outside may have
-    /// been split.
-    pub fn new(hierarchy: &Hierarchy) -> Self {
-        let (harmonics_of, with_harmonics) = harmonics_around(hierarchy);
-        let face = |&id: &ElementId| {
-            let normal = match &hierarchy.element(id).shape {
-                Shape::Patch(patch) => patch.normal,
-                Shape::Cluster(_) | Shape::Sky(_) => Vec3::ZERO,
-            };
-            Face { id, normal, harmonics: harmonics_of[id.index()] }
-        };
-        let faces = hierarchy.initial_patches().par_iter().with_min_len(1 << 12).map(face).collect();
-        Self { normal_moments: normal_moments(hierarchy), harmonics_of, with_harmonics, faces }
-    }
-
-    /// Memory, bytes.
-    pub fn bytes(&self) -> usize {
-        size_of_val(&self.normal_moments[..])
-            + size_of_val(&self.harmonics_of[..])
-            + size_of_val(&self.with_harmonics[..])
-            + size_of_val(&self.faces[..])
-    }
-}
-
 impl<'a> Pusher<'a> {
-    /// Prepares to hand down the light of these links.
-    pub fn new(hierarchy: &'a Hierarchy, links: &'a LinkTable, tables: &'a PushTables, model: ClusterModel) -> Self {
+    /// Prepares to hand down the light of these links over clusters with these moments.
+    pub fn new(
+        hierarchy: &'a Hierarchy,
+        links: &'a LinkTable,
+        normal_moments: &[NormalMoments],
+        rules: &LinkRules,
+        nodes: &Nodes,
+    ) -> Self {
         let of_receiver = |receiver: usize| {
             let receiver = ElementId(receiver as u32);
             let places = links.range(receiver).zip(links.of(receiver));
             places
-                .map(|(place, link)| push_weights(hierarchy, &tables.normal_moments, model, (receiver, link), place))
+                .map(|(place, link)| push_weights(hierarchy, normal_moments, rules, (receiver, link), place))
                 .unzip::<_, _, Vec<_>, Vec<_>>()
         };
         let per_receiver: Vec<_> = (0..links.receivers()).into_par_iter().with_min_len(64).map(of_receiver).collect();
@@ -152,73 +140,134 @@ impl<'a> Pusher<'a> {
             weights.extend(of_links);
             link_targets.extend(targeted.into_iter().flatten());
         }
-        let (lit, lit_around) = lit_clusters(hierarchy, links);
-        Self { hierarchy, links, tables, weights, link_targets, lit, lit_around }
+        let receivers =
+            || (0..links.receivers() as u32).map(ElementId).filter(|receiver| !links.of(*receiver).is_empty());
+        let small_clusters = || {
+            receivers().filter_map(|receiver| match &hierarchy.element(receiver).shape {
+                Shape::Cluster(cluster) if meets_each(hierarchy, cluster) && rules.push == Push::Immediate => {
+                    Some((receiver, hierarchy.patches_below(cluster)))
+                }
+                _ => None,
+            })
+        };
+        let targets = link_targets.iter().flat_map(|targeted| &targeted.targets);
+        let ends = receivers()
+            .chain(links.all().iter().map(Link::source))
+            .chain(small_clusters().flat_map(|(_, patches)| patches.iter().copied()))
+            .chain(targets.clone().map(|target| target.id()));
+        let stem = Stem::new(nodes, ends);
+        let sources = links.all().par_iter().map(|link| stem.place(link.source().index()) as u32).collect();
+        let mut lit_around = vec![NONE; stem.elements().len()];
+        let mut lit = Vec::new();
+        // Parents come first, so the nearest one has the last word.
+        for (receiver, patches) in small_clusters() {
+            let place = |patch: &ElementId| stem.place(patch.index());
+            lit.push((receiver, patches.first().map_or(NONE, |patch| lit_around[place(patch)])));
+            patches.iter().for_each(|patch| lit_around[place(patch)] = lit.len() as u32 - 1);
+        }
+        let mut has_own = vec![false; stem.elements().len()];
+        for target in targets {
+            if let Target::Cluster(id, _) = target {
+                has_own[stem.place(id.index())] = true;
+            }
+        }
+        let (mut harmonics_of, mut harmonics_around): (Vec<u32>, Vec<u32>) = Default::default();
+        for (element, has_own) in stem.elements().iter().zip(has_own) {
+            let around = element.parent().map_or(NONE, |parent| harmonics_of[parent]);
+            harmonics_of.push(if has_own { harmonics_around.len() as u32 } else { around });
+            harmonics_around.extend(has_own.then_some(around));
+        }
+        Self { hierarchy, links, weights, link_targets, stem, sources, lit, lit_around, harmonics_of, harmonics_around }
     }
 
-    /// Share of the light of the link at this place of the table that its receiver hands to every
-    /// patch alike.
-    pub fn share_handed_evenly(&self, place: usize) -> f32 {
-        self.weights[place].even
+    /// The part of the tree that links end in.
+    pub fn stem(&self) -> &Stem {
+        &self.stem
     }
 
-    /// Irradiance that the clusters above hand to each initial patch by its cosines, W/m², where
-    /// each link brings `flux`; anything if cancelled.
-    pub fn push(&self, flux: &(impl Fn(&Link) -> Vec3 + Sync), cancel: &CancelToken) -> Vec<Vec3> {
-        let mut harmonics = vec![IrradianceHarmonics::default(); self.tables.with_harmonics.len()];
-        let mut met = vec![Vec3::ZERO; if self.link_targets.is_empty() { 0 } else { self.hierarchy.elements().len() }];
+    /// The light that reaches the stem where each link brings `flux`, which is told the place of the
+    /// link's source in the stem; `None` if cancelled.
+    pub fn push(&self, flux: &(impl Fn(&Link, usize) -> Vec3 + Sync), cancel: &CancelToken) -> Option<Arrived> {
+        let flux_at = &|place: usize| flux(&self.links.all()[place], self.sources[place] as usize);
+        let mut harmonics = vec![IrradianceHarmonics::default(); self.harmonics_around.len()];
+        let mut met = vec![Vec3::ZERO; self.stem.elements().len()];
         for targeted in &self.link_targets {
-            let flux = flux(&self.links.all()[targeted.place]) * self.weights[targeted.place].beam;
+            let flux = flux_at(targeted.place) * self.weights[targeted.place].beam;
             for target in &targeted.targets {
+                let place = self.stem.place(target.id().index());
                 match *target {
-                    Target::Cluster(id, direction) => {
-                        harmonics[self.tables.harmonics_of[id.index()] as usize].add(flux, direction)
-                    }
-                    Target::Patch(id, cosine) => met[id.index()] += cosine * flux,
+                    Target::Cluster(_, direction) => harmonics[self.harmonics_of[place] as usize].add(flux, direction),
+                    Target::Patch(_, cosine) => met[place] += cosine * flux,
                 }
             }
         }
-        for (index, &id) in self.tables.with_harmonics.iter().enumerate() {
-            let above = self.hierarchy.element(id).parent().map(|parent| self.tables.harmonics_of[parent.index()]);
-            if let Some(above) = above.filter(|above| *above != NONE) {
-                let above = harmonics[above as usize];
-                harmonics[index].join(&above);
+        for (number, around) in self.harmonics_around.iter().enumerate() {
+            if let Some(around) = harmonics.get(*around as usize).copied() {
+                harmonics[number].join(&around);
             }
         }
-        let beams = self.beams(flux);
-        let pushed_to = |(face, around): (&Face, &u32)| {
+        let beams = self.beams(flux_at);
+        let own = |(place, met): (usize, Vec3)| {
             if cancel.is_cancelled() {
                 return Vec3::ZERO;
             }
-            let met = met.get(face.id.index()).copied().unwrap_or_default();
-            met + self.pushed_to(face, *around, &beams, &harmonics)
+            let element = &self.stem.elements()[place];
+            let receiver = ElementId(element.index as u32);
+            let range = self.links.range(receiver);
+            let links = self.links.of(receiver).iter().zip(&self.sources[range.clone()]).zip(&self.weights[range]);
+            let own: Vec3 = links.map(|((link, source), weights)| weights.even * flux(link, *source as usize)).sum();
+            let is_initial = element.node.is_patch()
+                && element.parent().is_some_and(|parent| self.stem.elements()[parent].node.kind == Kind::Cluster);
+            if is_initial { own + met + self.pushed_to(place, &beams, &harmonics) } else { own }
         };
-        self.tables.faces.par_iter().zip(&self.lit_around).with_min_len(256).map(pushed_to).collect()
+        let mut even: Vec<Vec3> = met.into_par_iter().enumerate().with_min_len(256).map(own).collect();
+        for (place, element) in self.stem.elements().iter().enumerate() {
+            if let Some(parent) = element.parent() {
+                even[place] = even[parent] + even[place];
+            }
+        }
+        (!cancel.is_cancelled()).then_some(Arrived { even, harmonics })
     }
 
     /// For each small cluster the light that its links bring, with where it comes from.
-    fn beams(&self, flux: &(impl Fn(&Link) -> Vec3 + Sync)) -> Vec<Vec<Beam>> {
+    fn beams(&self, flux_at: &(impl Fn(usize) -> Vec3 + Sync)) -> Vec<Vec<Beam>> {
         let of_cluster = |&(receiver, _): &(ElementId, u32)| {
-            let links = self.links.range(receiver).zip(self.links.of(receiver));
-            let beam = |(place, link): (usize, &Link)| Beam {
-                from: self.hierarchy.element(link.source()).centre,
-                flux: flux(link) * self.weights[place].beam,
+            let beam = |place: usize| Beam {
+                from: self.hierarchy.element(self.links.all()[place].source()).centre,
+                flux: flux_at(place) * self.weights[place].beam,
             };
-            links.filter(|(place, _)| self.weights[*place].beam > 0.0).map(beam).collect()
+            self.links.range(receiver).filter(|place| self.weights[*place].beam > 0.0).map(beam).collect()
         };
         self.lit.par_iter().with_min_len(64).map(of_cluster).collect()
     }
 
-    fn pushed_to(&self, face: &Face, mut around: u32, beams: &[Vec<Beam>], harmonics: &[IrradianceHarmonics]) -> Vec3 {
-        let mut sum = harmonics.get(face.harmonics as usize).map_or(Vec3::ZERO, |harmonics| harmonics.on(face.normal));
+    /// Irradiance that the clusters above an initial patch of the stem hand to it by its cosines.
+    fn pushed_to(&self, place: usize, beams: &[Vec<Beam>], harmonics: &[IrradianceHarmonics]) -> Vec3 {
+        let StemElement { index, node, .. } = self.stem.elements()[place];
+        let around = harmonics.get(self.harmonics_of[place] as usize);
+        let mut sum = around.map_or(Vec3::ZERO, |harmonics| harmonics.on(node.normal));
+        let mut around = self.lit_around[place];
         while let Some(beams) = beams.get(around as usize) {
-            let centre = self.hierarchy.element(face.id).centre;
+            let centre = self.hierarchy.elements()[index].centre;
             for beam in beams {
-                sum += beam.flux * cosine_towards(centre, face.normal, beam.from);
+                sum += beam.flux * cosine_towards(centre, node.normal, beam.from);
             }
             around = self.lit[around as usize].1;
         }
         sum
+    }
+
+    /// What reaches an element of the stem: on all of its faces alike, and from far away.
+    pub fn reaching<'b>(&self, arrived: &'b Arrived, place: usize) -> (Vec3, Option<&'b IrradianceHarmonics>) {
+        let is_cluster = self.stem.elements()[place].node.kind == Kind::Cluster;
+        let harmonics = arrived.harmonics.get(self.harmonics_of[place] as usize).filter(|_| is_cluster);
+        (arrived.even[place], harmonics)
+    }
+
+    /// Irradiance of a patch, W/m², before it is scaled or limited.
+    pub fn irradiance(&self, arrived: &Arrived, index: usize, normal: Vec3) -> Vec3 {
+        let (even, harmonics) = self.reaching(arrived, self.stem.place(index));
+        harmonics.map_or(even, |harmonics| even + harmonics.on(normal))
     }
 }
 
@@ -244,7 +293,7 @@ impl<'a> Inspector<'a> {
         if rules.push == Push::Deferred || !hierarchy.element(receiver).is_cluster() {
             return flux;
         }
-        let (weights, _) = push_weights(hierarchy, &self.normal_moments, rules.cluster_model, (receiver, link), 0);
+        let (weights, _) = push_weights(hierarchy, &self.normal_moments, rules, (receiver, link), 0);
         let initial = std::iter::successors(Some(below), |&id| {
             hierarchy.element(id).parent().filter(|&parent| !hierarchy.element(parent).is_cluster())
         });
@@ -267,14 +316,14 @@ impl<'a> Inspector<'a> {
 fn push_weights(
     hierarchy: &Hierarchy,
     normal_moments: &[NormalMoments],
-    model: ClusterModel,
+    rules: &LinkRules,
     (receiver, link): (ElementId, &Link),
     place: usize,
 ) -> (PushWeights, Option<LinkTargets>) {
-    let element = hierarchy.element(receiver);
+    let (element, model) = (hierarchy.element(receiver), rules.cluster_model);
     let Shape::Cluster(cluster) = &element.shape else { return (PushWeights::EVEN, None) };
     // A self-link has no direction.
-    if link.source() == receiver || element.area <= 0.0 {
+    if rules.push == Push::Deferred || link.source() == receiver || element.area <= 0.0 {
         return (PushWeights::EVEN, None);
     }
     let from = hierarchy.element(link.source()).centre;
@@ -328,40 +377,6 @@ fn meets_each(hierarchy: &Hierarchy, cluster: &Cluster) -> bool {
 
 fn has_harmonics(hierarchy: &Hierarchy, cluster: &Cluster) -> bool {
     hierarchy.patches_below(cluster).len() > MOST_WITHOUT_HARMONICS
-}
-
-/// The small clusters that have links, each with the place of the nearest one around it; and that
-/// around each initial patch.
-fn lit_clusters(hierarchy: &Hierarchy, links: &LinkTable) -> (Vec<(ElementId, u32)>, Vec<u32>) {
-    let mut around = vec![NONE; hierarchy.initial_patches().len()];
-    let mut lit = Vec::new();
-    // Parents come first, so the nearest one has the last word.
-    for receiver in (0..links.receivers() as u32).map(ElementId).filter(|receiver| !links.of(*receiver).is_empty()) {
-        let Shape::Cluster(cluster) = &hierarchy.element(receiver).shape else { continue };
-        if meets_each(hierarchy, cluster) {
-            let below = &mut around[cluster.patches()];
-            lit.push((receiver, below.first().copied().unwrap_or(NONE)));
-            below.fill(lit.len() as u32 - 1);
-        }
-    }
-    (lit, around)
-}
-
-/// The harmonics around each element, and the clusters that have one.
-fn harmonics_around(hierarchy: &Hierarchy) -> (Vec<u32>, Vec<ElementId>) {
-    let mut harmonics_of = vec![NONE; hierarchy.elements().len()];
-    let mut with_harmonics = Vec::new();
-    for id in hierarchy.ids() {
-        let element = hierarchy.element(id);
-        harmonics_of[id.index()] = match &element.shape {
-            Shape::Cluster(cluster) if has_harmonics(hierarchy, cluster) => {
-                with_harmonics.push(id);
-                with_harmonics.len() as u32 - 1
-            }
-            _ => element.parent().map_or(NONE, |parent| harmonics_of[parent.index()]),
-        };
-    }
-    (harmonics_of, with_harmonics)
 }
 
 /// Positive cosine of a patch towards a point.

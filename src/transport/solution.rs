@@ -7,10 +7,10 @@ use rayon::prelude::*;
 
 use super::SolutionView;
 use super::candidate::Candidate;
+use super::harmonics::{NormalMoments, normal_moments};
 use super::link::LinkTable;
 use super::oracle::Oracle;
 use super::pair_samples::RaySampler;
-use super::push::PushTables;
 use super::recheck::SCHEDULE;
 use super::refine::{Applied, Refinement};
 use super::rules::LinkRules;
@@ -35,8 +35,8 @@ pub struct LinkSolution {
     pub(super) entering: Vec3,
     pub(super) rules: LinkRules,
     pub(super) hierarchy: Hierarchy,
-    /// What is the same in each push over the hierarchy.
-    push_tables: PushTables,
+    /// How the patches of each cluster are turned.
+    normal_moments: Vec<NormalMoments>,
     pub(super) light: Light,
     pub(super) links: LinkTable,
     pub(super) refinement: Refinement,
@@ -77,7 +77,7 @@ impl LinkSolution {
             occluders,
             entering,
             rules,
-            push_tables: PushTables::new(&hierarchy),
+            normal_moments: normal_moments(&hierarchy),
             hierarchy,
             light: Light::default(),
             links: LinkTable::default(),
@@ -218,7 +218,7 @@ impl LinkSolution {
 
     /// Moves light over a table of links between the present elements.
     pub fn gatherer<'a>(&'a self, links: &'a LinkTable, with_unjudged: bool) -> Gatherer<'a> {
-        Gatherer::new(&self.hierarchy, links, (&self.surfaces, &self.push_tables), &self.rules, with_unjudged)
+        Gatherer::new(&self.hierarchy, links, (&self.surfaces, &self.normal_moments), &self.rules, with_unjudged)
     }
 
     /// The oracle over the present state.
@@ -305,9 +305,9 @@ impl LinkSolution {
         &self.hierarchy
     }
 
-    /// What is the same in each push over the elements.
-    pub fn push_tables(&self) -> &PushTables {
-        &self.push_tables
+    /// How the patches of each cluster are turned.
+    pub fn normal_moments(&self) -> &[NormalMoments] {
+        &self.normal_moments
     }
 
     /// The stored links.

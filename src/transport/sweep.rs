@@ -1,16 +1,15 @@
 //! Gather, push and pull: one sweep moves light once across every link (paper, sections 1.2 and
 //! 3.3).
 
-use std::ops::Range;
-
 use glam::Vec3;
 use rayon::prelude::*;
 
 use super::entering::is_sky;
+use super::harmonics::{NormalMoments, ReflectionMoments};
 use super::link::{Link, LinkTable, VisibilitySource};
-use super::nodes::{CHUNK, Kind, Node, Nodes};
-use super::push::{PushTables, Pusher};
-use super::rules::{LinkRules, Push};
+use super::nodes::{CHUNK, Kind, Nodes};
+use super::push::{Arrived, Pusher};
+use super::rules::LinkRules;
 use crate::base::cancel::CancelToken;
 use crate::base::mixing::Mixing;
 use crate::hierarchy::{ElementId, Hierarchy, Shape};
@@ -69,57 +68,63 @@ impl Light {
 /// Moves light over a table of links.
 pub struct Gatherer<'a> {
     hierarchy: &'a Hierarchy,
-    links: &'a LinkTable,
-    surfaces: &'a [Surface],
+    pub(super) surfaces: &'a [Surface],
     with_unjudged: bool,
     pub(super) nodes: Nodes,
-    /// Hands what clusters receive to the patches below at once; `None` for a deferred push.
-    pusher: Option<Pusher<'a>>,
+    pub(super) pusher: Pusher<'a>,
 }
 
-/// No patch receives more than all around it send: its F·V sum to 1, give or take what few rays are
-/// wrong by. Rows that are too small by chance stay as they are, so to cut those that are too large
-/// at 1 would lose light: at 1.002 the seminar room gets 4 % darker. A row beyond this is no
-/// chance.
-const LARGEST_ROW: f32 = 1.25;
+/// An element on the rim of the stem.
+struct Rim {
+    /// Its place in the stem.
+    place: usize,
+    /// What its faces reflect.
+    moments: ReflectionMoments,
+}
+
 /// Where ρ times a patch's sum of F·V stays below this, light dies out however often it is
 /// reflected.
 pub const LARGEST_RETURN: f32 = 0.98;
-/// A leaf takes over from its siblings at most as much as it has itself.
-const MOST_SCALE: f32 = 2.0;
 
 impl<'a> Gatherer<'a> {
-    /// Prepares to move light over `links`, to polygons of these `surfaces`; `with_unjudged` tells
-    /// whether links that no ray has judged carry light.
+    /// Prepares to move light over `links`, to polygons of these `surfaces` and clusters with these
+    /// `normal_moments`; `with_unjudged` tells whether links that no ray has judged carry light.
     pub fn new(
         hierarchy: &'a Hierarchy,
         links: &'a LinkTable,
-        (surfaces, tables): (&'a [Surface], &'a PushTables),
+        (surfaces, normal_moments): (&'a [Surface], &[NormalMoments]),
         rules: &LinkRules,
         with_unjudged: bool,
     ) -> Self {
-        let is_immediate = rules.push == Push::Immediate;
-        let pusher = is_immediate.then(|| Pusher::new(hierarchy, links, tables, rules.cluster_model));
-        Self { hierarchy, links, surfaces, with_unjudged, nodes: Nodes::new(hierarchy), pusher }
+        let nodes = Nodes::new(hierarchy);
+        let pusher = Pusher::new(hierarchy, links, normal_moments, rules, &nodes);
+        Self { hierarchy, surfaces, with_unjudged, nodes, pusher }
     }
 
     /// Sweeps until the power still to come is below `tolerance` of all power; false if cancelled,
-    /// with `light` somewhere on the way.
+    /// with `light` as it was.
     ///
     /// A reflection keeps the mean reflectance ρ̄ of what it reflects, so that ρ̄/(1−ρ̄) times the
-    /// last change is still to come. Sweeps start from a [mixture](Mixing) of the ones before, but
-    /// the light is always that of a sweep.
+    /// last change is still to come. Sweeps pass over the stem of the tree, and start from a
+    /// [mixture](Mixing) of the ones before; the last one reaches all the rest.
     pub fn converge(&self, light: &mut Light, tolerance: f64, most_sweeps: u32, cancel: &CancelToken) -> bool {
-        let weights: Vec<f32> = self.nodes.all().iter().map(Node::weight).collect();
+        let stem = self.pusher.stem();
+        let rims = self.rims(&light.row_scale);
+        let emitted = stem.of(&light.emitted);
+        let mut radiosity = stem.of(&light.radiosity);
+        let mut weights = vec![0.0; radiosity.len()];
+        rims.iter().for_each(|rim| weights[rim.place] = stem.elements()[rim.place].node.area);
         let mut mixing = Mixing::default();
         for sweep in 1..=most_sweeps {
-            let from = light.radiosity.clone();
-            let Some(change) = self.sweep(light, cancel) else { return false };
+            let Some(arrived) = self.arrive(&radiosity, &emitted, cancel) else { return false };
+            let from = radiosity.clone();
+            let change = self.reflect(&rims, &arrived, &emitted, &mut radiosity);
             if change.to_come() <= tolerance * change.power || sweep == most_sweeps {
                 tracing::debug!(sweep, "light converged");
+                self.spread(&arrived, light);
                 break;
             }
-            light.radiosity = mixing.next(&weights, &from, std::mem::take(&mut light.radiosity));
+            radiosity = mixing.next(&weights, &from, radiosity);
         }
         true
     }
@@ -127,121 +132,115 @@ impl<'a> Gatherer<'a> {
     /// Irradiance that emitted light and the sun alone bring over the links, parallel to the arena,
     /// W/m²; `None` if cancelled.
     pub fn direct(&self, light: &Light, cancel: &CancelToken) -> Option<Vec<Vec3>> {
-        let mut emitted = light.emitted.clone();
-        for id in self.hierarchy.ids().filter(|id| is_sky(self.hierarchy, *id)) {
-            emitted[id.index()] = Vec3::ZERO;
+        let stem = self.pusher.stem();
+        let mut emitted = stem.of(&light.emitted);
+        for (emitted, element) in emitted.iter_mut().zip(stem.elements()) {
+            if is_sky(self.hierarchy, ElementId(element.index as u32)) {
+                *emitted = Vec3::ZERO;
+            }
         }
-        let mut direct = Light { radiosity: emitted.clone(), emitted, ..light.clone() };
-        self.sweep(&mut direct, cancel)?;
+        let mut direct = light.clone();
+        self.spread(&self.arrive(&emitted, &emitted, cancel)?, &mut direct);
         Some(direct.irradiance)
     }
 
-    /// One sweep: gather over links, push to leaves, reflect, pull up; `None` if cancelled, with
-    /// nothing changed.
-    fn sweep(&self, light: &mut Light, cancel: &CancelToken) -> Option<Change> {
-        let lit = self.nodes.hand_down(self.incoming(&light.radiosity, &light.emitted, cancel)?);
+    /// The light that reaches the stem, of whose elements these are the radiosities and what of
+    /// them is emitted, W/m²; `None` if cancelled.
+    pub(super) fn arrive(&self, radiosity: &[Vec3], emitted: &[Vec3], cancel: &CancelToken) -> Option<Arrived> {
+        let flux = |link: &Link, source: usize| {
+            let carries = self.with_unjudged || link.visibility_source() != VisibilitySource::None;
+            if carries { link.irradiance(radiosity[source], emitted[source]) } else { Vec3::ZERO }
+        };
+        self.pusher.push(&flux, cancel)
+    }
+
+    /// What the rim reflects, each leaf's irradiance scaled by its factor.
+    fn rims(&self, row_scale: &[f32]) -> Vec<Rim> {
+        let elements = self.pusher.stem().elements();
+        let rim = |place: usize| {
+            let element = &elements[place];
+            let mut moments = ReflectionMoments::default();
+            let mut add = |id: ElementId, share: f32| {
+                let node = &self.nodes.all()[id.index()];
+                let reflectance = self.surfaces[node.polygon as usize].reflectance;
+                moments.add(share * self.mean_scale(id, row_scale) * reflectance, node.normal);
+            };
+            let id = ElementId(element.index as u32);
+            match &self.hierarchy.element(id).shape {
+                Shape::Cluster(cluster) if element.node.area > 0.0 => {
+                    let patches = self.hierarchy.patches_below(cluster).iter();
+                    patches.for_each(|id| add(*id, self.nodes.all()[id.index()].area / element.node.area));
+                }
+                Shape::Patch(_) => add(id, 1.0),
+                Shape::Cluster(_) | Shape::Sky(_) => {}
+            }
+            Rim { place, moments }
+        };
+        let is_lit = |place: &usize| elements[*place].is_rim && elements[*place].node.kind != Kind::Sky;
+        (0..elements.len()).into_par_iter().with_min_len(64).filter(is_lit).map(rim).collect()
+    }
+
+    /// Factor on a patch's irradiance, in the mean over the area of its leaves.
+    fn mean_scale(&self, id: ElementId, row_scale: &[f32]) -> f32 {
+        let node = &self.nodes.all()[id.index()];
+        if node.area <= 0.0 {
+            // Hidden wholly: what the elements above hand down does not reach it.
+            return 0.0;
+        }
+        if node.kind == Kind::Leaf {
+            return row_scale.get(id.index()).copied().unwrap_or(1.0);
+        }
+        let children = self.hierarchy.element(id).children();
+        children.map(|child| self.nodes.all()[child.index()].area * self.mean_scale(child, row_scale)).sum::<f32>()
+            / node.area
+    }
+
+    /// Reflects on the rim what has arrived, and pulls it up the stem.
+    fn reflect(&self, rims: &[Rim], arrived: &Arrived, emitted: &[Vec3], radiosity: &mut [Vec3]) -> Change {
+        let stem = self.pusher.stem();
+        let of_chunk = |rims: &[Rim]| {
+            let mut change = Change::default();
+            let reflect = |Rim { place, moments }: &Rim| {
+                let (even, harmonics) = self.pusher.reaching(arrived, *place);
+                let reflected = moments.reflected(even, harmonics).max(Vec3::ZERO);
+                let new = emitted[*place] + reflected;
+                change.note(stem.elements()[*place].node.area, [radiosity[*place], new], (reflected, moments.mean()));
+                new
+            };
+            (rims.iter().map(reflect).collect::<Vec<_>>(), change)
+        };
+        let chunks: Vec<_> = rims.par_chunks(CHUNK / 8).map(of_chunk).collect();
+        let mut change = Change::default();
+        for (rims, (new, changed)) in rims.chunks(CHUNK / 8).zip(chunks) {
+            rims.iter().zip(new).for_each(|(rim, new)| radiosity[rim.place] = new);
+            change = change.and(changed);
+        }
+        stem.pull(radiosity);
+        change
+    }
+
+    /// Gives all patches what has arrived, lets the leaves reflect it, and pulls that up the tree.
+    fn spread(&self, arrived: &Arrived, light: &mut Light) {
         let Light { radiosity, irradiance, row_scale, .. } = light;
         let reflect = |(chunk, (irradiance, radiosity)): (usize, (&mut [Vec3], &mut [Vec3]))| {
-            let mut change = Change::default();
             for (index, (irradiance, radiosity)) in (chunk * CHUNK..).zip(irradiance.iter_mut().zip(radiosity)) {
                 let node = &self.nodes.all()[index];
-                *irradiance = lit[index];
+                if !node.is_patch() {
+                    continue;
+                }
+                *irradiance = self.pusher.irradiance(arrived, index, node.normal);
                 if node.kind == Kind::Leaf {
                     let scale = row_scale.get(index).copied().unwrap_or(1.0);
-                    // Hidden wholly: what the elements above hand down does not reach it.
                     let scale = if node.area > 0.0 { scale } else { 0.0 };
                     *irradiance = (scale * *irradiance).max(Vec3::ZERO);
                     let surface = &self.surfaces[node.polygon as usize];
-                    let reflected = surface.reflectance * *irradiance;
-                    let new = surface.emission + reflected;
-                    change.note(node.area, [*radiosity, new], (reflected, surface.reflectance));
-                    *radiosity = new;
+                    *radiosity = surface.emission + surface.reflectance * *irradiance;
                 }
             }
-            change
         };
         let chunks = irradiance.par_chunks_mut(CHUNK).zip(radiosity.par_chunks_mut(CHUNK)).enumerate();
-        let changes: Vec<Change> = chunks.map(reflect).collect();
+        chunks.for_each(reflect);
         self.nodes.pull(radiosity);
-        Some(changes.into_iter().fold(Change::default(), Change::and))
-    }
-
-    /// Finds by how much each leaf's irradiance must be scaled for its F·V to sum to no more than
-    /// 1; returns how many leaves exceeded that.
-    ///
-    /// A leaf shares the links of the patches above it, which are right in the mean over all their
-    /// leaves but not for each: a leaf in a corner adds its own large form factors to a mean that
-    /// holds them already. What a leaf has too much is therefore what its siblings have too little,
-    /// and goes to them; a whole initial patch is scaled back where it would get more than there
-    /// is, and never up.
-    pub fn enforce_closure(&self, light: &mut Light, cancel: &CancelToken) -> Option<usize> {
-        let nodes = self.nodes.all();
-        let mut rows = self.rows(cancel)?;
-        let exceeds = |(node, row): &(&Node, &f32)| node.kind == Kind::Leaf && **row > 1.0;
-        let exceeding = nodes.par_iter().zip(&rows).with_min_len(CHUNK).filter(exceeds).count();
-        let split = || self.nodes.inner().filter(|inner| nodes[inner.index].kind == Kind::Split);
-        for patch in split().rev() {
-            rows[patch.index] = mean_by_area(nodes, patch.children.clone(), |child| rows[child]);
-        }
-        let wanted = |(node, row): (&Node, &f32)| {
-            let is_whole = node.parent().is_some_and(|parent| nodes[parent].kind == Kind::Cluster);
-            if matches!(node.kind, Kind::Leaf | Kind::Split) && is_whole {
-                let reflectance = self.surfaces[node.polygon as usize].reflectance.max_element();
-                row.min((LARGEST_RETURN / reflectance).clamp(1.0, LARGEST_ROW))
-            } else {
-                *row
-            }
-        };
-        let mut wanted: Vec<f32> = nodes.par_iter().zip(&rows).with_min_len(CHUNK).map(wanted).collect();
-        for patch in split() {
-            share_out(nodes, wanted[patch.index], patch.children.clone(), &rows, &mut wanted);
-        }
-        let scale = |(&wanted, &row): (&f32, &f32)| if row > 0.0 { (wanted / row).min(MOST_SCALE) } else { 1.0 };
-        light.row_scale = wanted.par_iter().zip(&rows).with_min_len(CHUNK).map(scale).collect();
-        Some(exceeding)
-    }
-
-    /// Each element's sum of F·V, its ancestors' included, before rows are limited; parallel to the
-    /// arena. `None` if cancelled.
-    pub fn rows(&self, cancel: &CancelToken) -> Option<Vec<f32>> {
-        let elements = self.nodes.all().len();
-        let (evenly_lit, dark) = (vec![Vec3::ONE; elements], vec![Vec3::ZERO; elements]);
-        let own = self.incoming(&evenly_lit, &dark, cancel)?.into_iter().map(|row| row.x).collect();
-        Some(self.nodes.hand_down(own))
-    }
-
-    /// Irradiance of each element by its own links, W/m²; at initial patches also what clusters
-    /// above push to them at once.
-    fn incoming(&self, radiosity: &[Vec3], emitted: &[Vec3], cancel: &CancelToken) -> Option<Vec<Vec3>> {
-        let flux = |link: &Link| {
-            let carries = self.with_unjudged || link.visibility_source() != VisibilitySource::None;
-            let source = link.source().index();
-            if carries { link.irradiance(radiosity[source], emitted[source]) } else { Vec3::ZERO }
-        };
-        let mut incoming: Vec<Vec3> = (0..self.nodes.all().len() as u32)
-            .into_par_iter()
-            .with_min_len(512)
-            .map(ElementId)
-            .map(|receiver| {
-                if cancel.is_cancelled() {
-                    return Vec3::ZERO;
-                }
-                let links = self.links.range(receiver).zip(self.links.of(receiver));
-                match &self.pusher {
-                    Some(pusher) if self.nodes.all()[receiver.index()].kind == Kind::Cluster => {
-                        links.map(|(place, link)| flux(link) * pusher.share_handed_evenly(place)).sum()
-                    }
-                    _ => links.map(|(_, link)| flux(link)).sum(),
-                }
-            })
-            .collect();
-        if let Some(pusher) = &self.pusher {
-            let pushed = pusher.push(&flux, cancel);
-            for (&patch, pushed) in self.hierarchy.initial_patches().iter().zip(pushed) {
-                incoming[patch.index()] += pushed;
-            }
-        }
-        (!cancel.is_cancelled()).then_some(incoming)
     }
 }
 
@@ -263,31 +262,6 @@ fn mean_of_children(hierarchy: &Hierarchy, radiosity: &[Vec3], children: impl It
         area += child_area;
     }
     if area > 0.0 { power / area } else { Vec3::ZERO }
-}
-
-/// Mean of a value over elements, by area.
-fn mean_by_area(nodes: &[Node], elements: Range<usize>, value: impl Fn(usize) -> f32) -> f32 {
-    let (sum, area) = elements.fold((0.0, 0.0), |(sum, area), element| {
-        let own = nodes[element].area;
-        (sum + own * value(element), area + own)
-    });
-    if area > 0.0 { sum / area } else { 0.0 }
-}
-
-/// Shares the mean that a patch should have out to its children: each keeps its own up to the
-/// larger of 1 and the mean, and what is then missing goes where there is room.
-fn share_out(nodes: &[Node], mean: f32, children: Range<usize>, rows: &[f32], wanted: &mut [f32]) {
-    let most = mean.max(1.0);
-    let kept = mean_by_area(nodes, children.clone(), |child| rows[child].min(most));
-    let room = most - kept;
-    for child in children {
-        let own = rows[child].min(most);
-        wanted[child] = if mean >= kept {
-            own + if room > 0.0 { (most - own) * (mean - kept) / room } else { 0.0 }
-        } else {
-            own * mean / kept
-        };
-    }
 }
 
 /// How much one sweep moved.

@@ -7,7 +7,7 @@ use rustc_hash::FxHashMap;
 use super::measure::{CLUSTERED, MODES, deviation, difference, is_sound, leaves, params, received, solve};
 use super::scenes::{add_box, empty_room, furnished_room, lamp_room};
 use super::{Check, Row};
-use crate::hierarchy::{ClusteringMode, smooth_surfaces};
+use crate::hierarchy::ClusteringMode;
 use crate::measure::accuracy::cases::{self, level};
 use crate::scene::{GroupId, Polygon, Scene};
 use crate::solve::{Solver, SolverError};
@@ -69,7 +69,7 @@ fn hanging_vertices() -> Result<Vec<Check>, SolverError> {
         let mut solved = solve(&scene, params(mode, 1e-3))?;
         let snapshot = solved.snapshot();
         let mesh = &snapshot.mesh;
-        let surfaces = smooth_surfaces(&scene, solved.hierarchy());
+        let surfaces = solved.hierarchy().smooth_surfaces();
         let bits = |vertex: u32| mesh.positions[vertex as usize].map(|value| (value + 0.0).to_bits());
         let (mut uses, mut vertex_at) = (FxHashMap::<Edge, usize>::default(), FxHashMap::default());
         let mut jumps = 0.0_f64;
