@@ -10,7 +10,7 @@ use selflink::measure::chart::{
     MeshPainter, PictureChart, PictureDrawing, PictureMetric, PictureSweep, draw_png, draw_svg, picture_csv,
     picture_table,
 };
-use selflink::render::{Camera, Display, Exposure, Frame, Offscreen, Overlay};
+use selflink::render::{Camera, Display, Frame, Offscreen, Overlay};
 use selflink::scene::outside::Outside;
 use selflink::solve::Snapshot;
 
@@ -145,7 +145,7 @@ struct Painter<'a> {
 
 impl MeshPainter for Painter<'_> {
     fn shown(&mut self, snapshot: &Snapshot, exposure: f32) -> Result<Vec<[u8; 3]>, String> {
-        let display = Display { exposure: Exposure::Manual { stops: exposure.log2() }, ..Display::default() };
+        let display = Display { exposure, ..Display::default() };
         let (outside, camera, size) = (self.outside, self.camera, self.size);
         let overlay = &Overlay::default();
         let frame = Frame { snapshot, outside, camera, display: &display, gathered: None, overlay, size };

@@ -37,7 +37,7 @@ pub use camera::Camera;
 pub use clusters::{ApartMesh, ClusterParts, ClusterView, by_clusters, cluster_colours};
 pub use display::Display;
 pub use gathered::{Pixels, developed};
-pub use legend::{LegendError, draw_legend};
+pub use legend::{AnnotationError, annotate};
 pub use links::{ChosenLinks, LinkColour, LinkFilter, LinkStyle, Seen, USUAL_LINKS, level_colour};
 pub use meter::{LightMeter, Metered};
 pub use offscreen::Offscreen;
