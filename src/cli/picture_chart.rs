@@ -90,14 +90,9 @@ pub fn run(matches: &ArgMatches) -> anyhow::Result<()> {
 }
 
 fn errors(matches: &ArgMatches) -> anyhow::Result<Vec<f64>> {
-    let Some(list) = matches.get_one::<String>("errors") else { return Ok(ERRORS.to_vec()) };
-    let parsed: Option<Vec<f64>> = list.split(',').map(|part| part.trim().parse().ok()).collect();
-    match parsed.filter(|errors| !errors.is_empty() && errors.iter().all(|error| *error > 0.0 && *error < 1.0)) {
-        Some(errors) => Ok(errors),
-        None => bail!(
-            "--errors must be numbers between 0 and 1 with commas between them, such as 0.1,0.05 (it is `{list}`)"
-        ),
-    }
+    let must_be = "numbers between 0 and 1 with commas between them, such as 0.1,0.05";
+    let given = options::number_list(matches, "errors", must_be, |number| number > 0.0 && number < 1.0)?;
+    Ok(given.unwrap_or_else(|| ERRORS.to_vec()))
 }
 
 fn chart(job: &Job, sweep: &PictureSweep, offscreen: Option<&mut Offscreen>) -> anyhow::Result<PictureChart> {
