@@ -8,8 +8,8 @@ use std::time::Duration;
 
 use selflink::base::cancel::CancelToken;
 use selflink::measure::accuracy::ErrorMeter;
-use selflink::measure::reference::{Cache, ReferenceRun, random_points};
-use selflink::measure::reference_worker::{GOAL, LEAST_PASSES, Measurement, ReferenceWorker};
+use selflink::measure::reference::{Cache, LEAST_PASSES, ReferenceRun, random_points};
+use selflink::measure::reference_worker::{GOAL, Measurement, ReferenceWorker};
 use selflink::scene::builtin::BuiltinScene;
 use selflink::scene::{Scene, Sides};
 use selflink::solve::{Epsilon, Snapshot, Solver, SolverParams};

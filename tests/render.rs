@@ -12,7 +12,7 @@ use glam::Vec3;
 use image::{Rgba, RgbaImage};
 use selflink::hierarchy::ElementId;
 use selflink::render::{
-    Camera, Display, Exposure, Frame, Line, Marks, Offscreen, Overlay, RenderError, auto_exposure, encode_gamma, pick,
+    Camera, Display, Frame, Line, Marks, Offscreen, Overlay, RenderError, auto_exposure, encode_gamma, pick,
     power_colour, tone_curve,
 };
 use selflink::scene::outside::{Daylight, Outside};
@@ -24,13 +24,13 @@ static DEVICE: Mutex<Option<Offscreen>> = Mutex::new(None);
 
 /// Draws on the shared device; `None`, loudly, where there is no adapter.
 fn draw(snapshot: &Snapshot, camera: &Camera, overlay: &Overlay, size: [u32; 2]) -> Option<RgbaImage> {
-    draw_exposed(snapshot, camera, Exposure::Manual { stops: 0.0 }, overlay, size)
+    draw_exposed(snapshot, camera, 1.0, overlay, size)
 }
 
 fn draw_exposed(
     snapshot: &Snapshot,
     camera: &Camera,
-    exposure: Exposure,
+    exposure: f32,
     overlay: &Overlay,
     size: [u32; 2],
 ) -> Option<RgbaImage> {
@@ -41,7 +41,7 @@ fn draw_exposed(
 fn try_draw(
     snapshot: &Snapshot,
     camera: &Camera,
-    exposure: Exposure,
+    exposure: f32,
     overlay: &Overlay,
     size: [u32; 2],
 ) -> Option<Result<RgbaImage, RenderError>> {
@@ -181,7 +181,7 @@ fn a_thousandfold_light_gives_the_same_picture_by_automatic_exposure() {
     let ratio = auto_exposure(&dim) / auto_exposure(&bright);
     assert!((ratio / 1000.0 - 1.0).abs() < 1e-4, "{ratio}");
     let camera = Camera::frame(BOUNDS, Vec3::Y, 1.0);
-    let draw = |room| draw_exposed(room, &camera, Exposure::default(), &Overlay::default(), [80, 80]);
+    let draw = |room| draw_exposed(room, &camera, auto_exposure(room), &Overlay::default(), [80, 80]);
     let (Some(dim), Some(bright)) = (draw(&dim), draw(&bright)) else { return };
     let differ = dim.as_raw().iter().zip(bright.as_raw()).map(|(a, b)| a.abs_diff(*b)).max();
     assert!(differ <= Some(1), "{differ:?}");
@@ -190,7 +190,7 @@ fn a_thousandfold_light_gives_the_same_picture_by_automatic_exposure() {
 #[test]
 fn sizes_that_cannot_be_drawn_are_refused_in_a_sentence() {
     for size in [[0, 100], [100, 0], [20_000, 10], [10, u32::MAX]] {
-        let result = try_draw(&snapshot(&[]), &camera(2.0), Exposure::default(), &Overlay::default(), size);
+        let result = try_draw(&snapshot(&[]), &camera(2.0), 1.0, &Overlay::default(), size);
         let Some(result) = result else { return };
         let error = result.expect_err("no adapter draws this");
         assert!(matches!(error, RenderError::Size { .. }), "{error}");
@@ -307,7 +307,7 @@ fn the_sky_is_seen_behind_the_mesh() {
     let Some(plain) = draw(&snapshot, &camera(2.0), &Overlay::default(), [64, 64]) else { return };
     let sky = Some("uniform:0.4W".parse().expect("a sky"));
     let outside = Outside::new(&Daylight { sky, sun: None }, Vec3::Y, |_| Err(String::new())).expect("a sky");
-    let display = Display { exposure: Exposure::Manual { stops: 0.0 }, ..Display::default() };
+    let display = Display::default();
     let frame = Frame {
         snapshot: &snapshot,
         outside: Some(&Arc::new(outside)),

@@ -10,7 +10,7 @@ mod left_out;
 use std::sync::Arc;
 
 use glam::Vec3;
-use selflink::render::{Camera, Display, Exposure, Frame, Overlay, SceneRenderer, sample_count};
+use selflink::render::{Camera, Display, Frame, Overlay, SceneRenderer, sample_count};
 use selflink::scene::CameraPose;
 use selflink::solve::{Mesh, Snapshot, Stats};
 
@@ -94,8 +94,7 @@ fn a_window_shows_the_picture_upright_and_in_its_colours_whatever_its_format() {
         let view = window.create_view(&wgpu::TextureViewDescriptor::default());
         let mut show = |snapshot: &Snapshot| {
             let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
-            let display = Display { exposure: Exposure::Manual { stops: 0.0 }, ..Display::default() };
-            let (display, overlay) = (&display, &Overlay::default());
+            let (display, overlay) = (&Display::default(), &Overlay::default());
             let frame =
                 Frame { snapshot, camera: &camera, display, overlay, size: [SIDE; 2], outside: None, gathered: None };
             renderer.draw(&mut encoder, &frame).expect("a small picture");

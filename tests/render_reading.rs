@@ -15,7 +15,7 @@ use image::RgbaImage;
 use selflink::base::photometry::{Quantity, ShownIn, Unit};
 use selflink::hierarchy::ElementId;
 use selflink::render::{
-    Camera, ColourScale, Display, Exposure, Isolines, Offscreen, Overlay, Ramp, Reading, RenderError, Spacing,
+    Camera, ColourScale, Display, Isolines, Offscreen, Overlay, Ramp, Reading, RenderError, Spacing,
 };
 use selflink::scene::{CameraPose, MaterialId};
 use selflink::solve::{Leaf, Mesh, Snapshot, Stats};
@@ -63,7 +63,7 @@ fn draw(snapshot: &Snapshot, reading: Option<Reading>) -> Option<RgbaImage> {
     };
     let pose = CameraPose { eye: Vec3::Z, target: Vec3::ZERO, up: Vec3::Y, hfov_deg: 90.0 };
     let camera = Camera::from_pose(&pose, 1.0, (Vec3::splat(-1.0), Vec3::splat(1.0)));
-    let display = Display { exposure: Exposure::Manual { stops: 0.0 }, reading, ..Display::default() };
+    let display = Display { reading, ..Display::default() };
     Some(offscreen.picture(snapshot, &camera, &display, &Overlay::default(), [SIZE; 2]).expect("a small picture"))
 }
 

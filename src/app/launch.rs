@@ -6,7 +6,7 @@ use std::process::Command;
 use std::rc::Rc;
 
 use crate::app::App;
-use crate::app::state::device::{DeviceLossState, Legacy};
+use crate::app::state::device::{DeviceLossState, HandedOver};
 use crate::app::state::messages::Topic;
 use crate::base::panic_report;
 use crate::base::threads::lock;
@@ -61,15 +61,15 @@ const MOST_LOSSES: u32 = 3;
 pub fn run(settings: Settings, resumes: bool) -> Result<(), AppError> {
     let losses = std::env::var(LOSSES).ok().and_then(|text| text.parse().ok()).unwrap_or(0);
     match run_once(settings, resumes, losses > 0)? {
-        Some(legacy) if losses < MOST_LOSSES => start_anew(legacy, losses + 1),
-        Some(legacy) => Err(AppError::LostDevice { reason: legacy.reason }),
+        Some(handed_over) if losses < MOST_LOSSES => start_anew(handed_over, losses + 1),
+        Some(handed_over) => Err(AppError::LostDevice { reason: handed_over.reason }),
         None => Ok(()),
     }
 }
 
 /// Opens one window and returns when it is closed, with what it hands over where it lost its
 /// device.
-fn run_once(settings: Settings, resumes: bool, was_lost: bool) -> Result<Option<Legacy>, AppError> {
+fn run_once(settings: Settings, resumes: bool, was_lost: bool) -> Result<Option<HandedOver>, AppError> {
     let options = eframe::NativeOptions {
         viewport: egui::ViewportBuilder::default()
             .with_title("Selflink")
@@ -83,8 +83,8 @@ fn run_once(settings: Settings, resumes: bool, was_lost: bool) -> Result<Option<
     };
     let is_open = Rc::new(Cell::new(false));
     let creator_is_open = is_open.clone();
-    let will = DeviceLossState::default();
-    let of_window = will.clone();
+    let loss = DeviceLossState::default();
+    let loss_of_window = loss.clone();
     // winit panics where a library of the window system is missing; a panic of the open window is a
     // fault of ours.
     panic_report::expect(true);
@@ -94,7 +94,7 @@ fn run_once(settings: Settings, resumes: bool, was_lost: bool) -> Result<Option<
             options,
             Box::new(move |cc| {
                 let mut app = if resumes { App::resume(cc, &settings)? } else { App::open(cc, &settings)? };
-                app.graphics.loss = Some(of_window);
+                app.graphics.loss = Some(loss_of_window);
                 if was_lost {
                     app.messages.note(
                         Topic::Remark,
@@ -108,10 +108,10 @@ fn run_once(settings: Settings, resumes: bool, was_lost: bool) -> Result<Option<
         )
     }));
     panic_report::expect(false);
-    let legacy = lock(&will).take();
+    let handed_over = lock(&loss).take();
     match outcome {
         // What the toolkit made of a lost device is of no interest.
-        _ if legacy.is_some() => Ok(legacy),
+        _ if handed_over.is_some() => Ok(handed_over),
         Ok(Ok(())) => Ok(None),
         Ok(Err(error)) => Err(advice(error)),
         Err(panic) if is_open.get() => resume_unwind(panic),
@@ -124,8 +124,8 @@ fn run_once(settings: Settings, resumes: bool, was_lost: bool) -> Result<Option<
 }
 
 /// Starts the program anew with what the window showed, and waits until it ends.
-fn start_anew(legacy: Legacy, losses: u32) -> Result<(), AppError> {
-    let Legacy { settings, reason } = legacy;
+fn start_anew(handed_over: HandedOver, losses: u32) -> Result<(), AppError> {
+    let HandedOver { settings, reason } = handed_over;
     let path = std::env::temp_dir().join(format!("selflink-{}.settings.json", std::process::id()));
     let ended = settings.to_json().map_err(std::io::Error::other).and_then(|text| {
         std::fs::write(&path, text)?;

@@ -136,6 +136,11 @@ pub fn without_os_codes(text: &str) -> String {
     kept + rest
 }
 
+/// A share in per cent: 12.4 %.
+pub fn percent(share: f64) -> String {
+    if share.is_finite() { format!("{} %", number(100.0 * share)) } else { "–".into() }
+}
+
 /// A share and its standard error in per cent.
 pub fn percent_with(share: f64, standard_error: f64) -> String {
     format!("{} %", plus_minus(100.0 * share, 100.0 * standard_error))

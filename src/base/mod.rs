@@ -1,8 +1,9 @@
 //! The lowest layer: long work that can be stopped, numbers for people, random numbers, memory,
-//! reports of panics.
+//! files, reports of panics.
 
 pub mod actor;
 pub mod cancel;
+pub mod file;
 pub mod font;
 pub mod format;
 pub mod memory;

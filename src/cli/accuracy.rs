@@ -1,20 +1,18 @@
 //! `selflink accuracy`: every closed form beside what the reference and the solver find, as a
 //! table.
 
-use std::fmt::Write as _;
-
 use clap::{ArgMatches, Command};
 use selflink::measure::accuracy::cases::{self, Case, Reading};
 use selflink::measure::accuracy::{Measured, by_reference, by_solver};
-use selflink::solve::{ClusteringMode, Epsilon, SolverParams, name_of};
+use selflink::measure::records::{self, Table};
+use selflink::measure::stability::measure::MODES;
+use selflink::solve::{Epsilon, SolverParams, name_of};
 
 use super::options::{path, path_arg};
 use super::output::{OutputFile, make_folder, say};
 
 /// Thresholds of the table, as shares of Φ.
 const EPSILONS: [f64; 2] = [1e-3, 1e-4];
-const MODES: [ClusteringMode; 4] =
-    [ClusteringMode::None, ClusteringMode::Octree, ClusteringMode::Groups, ClusteringMode::Adaptive];
 /// Passes of the reference at a point: 2¹⁴ paths.
 const PASSES: u32 = 256;
 const SEED: u64 = 1;
@@ -80,17 +78,14 @@ const INTRODUCTION: &str = "# Closed forms\n\n\
     (interpolated), `F`, walls and other areas are means. CIE 171:2006 5.2 stands in for its point lamp with a Lambertian square of 1 cm. The standard's own\n\
     table for 5.7 is wrong; its truth here is the part of the wall that a point sees.\n\n";
 
+/// The columns of the solver, by ε, then by mode.
+fn columns() -> impl Iterator<Item = (String, f64)> {
+    EPSILONS.into_iter().flat_map(|epsilon| MODES.map(|mode| (name_of(&mode), epsilon)))
+}
+
 fn markdown(rows: &[Row]) -> String {
-    let mut text = String::from("| case | reading | truth | reference |");
-    // A String takes any text.
-    for epsilon in EPSILONS {
-        for mode in MODES {
-            let _ = write!(text, " {}, {epsilon:e} |", name_of(&mode));
-        }
-    }
-    text += &format!("\n| --- | --- | ---: | ---: |{}\n", " ---: |".repeat(EPSILONS.len() * MODES.len()));
     let mut last = "";
-    for row in rows {
+    let mut cells = |row: &Row| {
         let truth = row.reading.truth;
         // As many decimals as show a hundredth of a per cent.
         let decimals = if truth > 0.0 { (3 - truth.log10().floor() as i32).clamp(1, 6) as usize } else { 3 };
@@ -98,17 +93,19 @@ fn markdown(rows: &[Row]) -> String {
         last = row.case;
         let unit = if row.reading.unit.is_empty() { String::new() } else { format!(" {}", row.reading.unit) };
         let (value, error) = (row.reference.value, row.reference.standard_error);
-        let _ = write!(
-            text,
-            "| {case} | {} | {truth:.decimals$}{unit} | {value:.decimals$} ± {error:.decimals$} |",
-            row.reading.label
-        );
-        for value in &row.solver {
-            let _ = write!(text, " {value:.decimals$}{} |", deviation(*value, truth));
-        }
-        text += "\n";
-    }
-    text
+        let mut cells = vec![
+            case.to_owned(),
+            row.reading.label.clone(),
+            format!("{truth:.decimals$}{unit}"),
+            format!("{value:.decimals$} ± {error:.decimals$}"),
+        ];
+        cells.extend(row.solver.iter().map(|value| format!("{value:.decimals$}{}", deviation(*value, truth))));
+        cells
+    };
+    let rows = rows.iter().map(&mut cells).collect();
+    let head = ["case", "reading", "truth", "reference"].map(String::from).into_iter();
+    let head = head.chain(columns().map(|(mode, epsilon)| format!("{mode}, {epsilon:e}"))).collect();
+    Table { caption: String::new(), head, rows }.markdown_with(2)
 }
 
 /// How far a value is off, where that can be said in per cent.
@@ -117,25 +114,21 @@ fn deviation(value: f64, truth: f64) -> String {
 }
 
 fn csv(rows: &[Row]) -> String {
-    let mut text = String::from("case,reading,unit,source,truth,reference,standard_error");
-    for epsilon in EPSILONS {
-        for mode in MODES {
-            let _ = write!(text, ",{}_{epsilon:e}", name_of(&mode));
-        }
-    }
-    text += "\n";
-    for row in rows {
-        let reading = &row.reading;
+    let names: Vec<String> = columns().map(|(mode, epsilon)| format!("{mode}_{epsilon:e}")).collect();
+    let record = |row: &Row| {
+        let Reading { label, unit, truth, .. } = &row.reading;
         let Measured { value, standard_error } = row.reference;
-        let _ = write!(
-            text,
-            "\"{}\",\"{}\",{},\"{}\",{},{value},{standard_error}",
-            row.case, reading.label, reading.unit, row.source, reading.truth
-        );
-        for value in &row.solver {
-            let _ = write!(text, ",{value}");
-        }
-        text += "\n";
-    }
-    text
+        let mut record = vec![
+            ("case", row.case.to_owned()),
+            ("reading", label.clone()),
+            ("unit", unit.to_string()),
+            ("source", row.source.to_owned()),
+            ("truth", truth.to_string()),
+            ("reference", value.to_string()),
+            ("standard_error", standard_error.to_string()),
+        ];
+        record.extend(names.iter().map(String::as_str).zip(row.solver.iter().map(f64::to_string)));
+        record
+    };
+    records::csv(&rows.iter().map(record).collect::<Vec<_>>())
 }

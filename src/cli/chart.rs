@@ -111,12 +111,9 @@ fn is_called(name: &str, word: &str) -> bool {
 }
 
 fn epsilons(matches: &ArgMatches) -> anyhow::Result<Vec<f64>> {
-    let Some(list) = matches.get_one::<String>("epsilons") else { return Ok(usual_epsilons()) };
-    let parsed: Option<Vec<f64>> = list.split(',').map(|part| part.trim().parse().ok()).collect();
-    let mut epsilons = parsed.unwrap_or_default();
-    if epsilons.is_empty() || epsilons.iter().any(|epsilon| !(*epsilon > 0.0 && epsilon.is_finite())) {
-        bail!("--epsilons must be numbers greater than 0 between commas, such as 1e-2,1e-3 (it is `{list}`)");
-    }
+    let must_be = "numbers greater than 0 between commas, such as 1e-2,1e-3";
+    let given = options::number_list(matches, "epsilons", must_be, |number| number > 0.0 && number.is_finite())?;
+    let mut epsilons = given.unwrap_or_else(usual_epsilons);
     epsilons.sort_by(|a, b| b.total_cmp(a));
     Ok(epsilons)
 }

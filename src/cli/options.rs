@@ -261,6 +261,21 @@ pub fn numbers<const N: usize>(text: &str, separator: char) -> Option<[f32; N]> 
     numbers.iter().all(|number| number.is_finite()).then_some(numbers)
 }
 
+/// The numbers of an option, with commas between them; `must_be` tells which are good.
+pub fn number_list(
+    matches: &ArgMatches,
+    name: &str,
+    must_be: &str,
+    is_good: impl Fn(f64) -> bool,
+) -> anyhow::Result<Option<Vec<f64>>> {
+    let Some(list) = matches.get_one::<String>(name) else { return Ok(None) };
+    let good = |part: &str| part.trim().parse::<f64>().ok().filter(|number| is_good(*number));
+    match list.split(',').map(good).collect() {
+        Some(numbers) => Ok(Some(numbers)),
+        None => bail!("--{name} must be {must_be} (it is `{list}`)"),
+    }
+}
+
 /// So many finite numbers with all the digits that the coordinates of a file may need.
 pub fn coordinates<const N: usize>(text: &str, separator: char) -> Option<[f64; N]> {
     let parsed: Option<Vec<f64>> =

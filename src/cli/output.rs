@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context, anyhow, bail};
 use image::{ImageBuffer, ImageFormat, Pixel, PixelWithColorType};
+use selflink::base::file;
 
 /// Writes to stdout. Whoever reads it may have gone away, which is no fault.
 pub fn say(text: &str) -> anyhow::Result<()> {
@@ -48,12 +49,7 @@ impl OutputFile {
 
     /// Writes the content.
     pub fn write(&self, content: impl FnOnce(&mut BufWriter<File>) -> io::Result<()>) -> anyhow::Result<()> {
-        let write = || {
-            let mut writer = BufWriter::new(File::create(&self.0)?);
-            content(&mut writer)?;
-            writer.flush()
-        };
-        write().map_err(|error| unwritable(&self.0, &error))?;
+        file::write(&self.0, content).map_err(|error| unwritable(&self.0, &error))?;
         tracing::info!(file = %self.0.display(), "written");
         Ok(())
     }

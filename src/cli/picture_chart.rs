@@ -10,7 +10,7 @@ use selflink::measure::chart::{
     MeshPainter, PictureChart, PictureDrawing, PictureMetric, PictureSweep, draw_png, draw_svg, picture_csv,
     picture_table,
 };
-use selflink::render::{Camera, Display, Exposure, Frame, Offscreen, Overlay};
+use selflink::render::{Camera, Display, Frame, Offscreen, Overlay};
 use selflink::scene::outside::Outside;
 use selflink::solve::Snapshot;
 
@@ -90,14 +90,9 @@ pub fn run(matches: &ArgMatches) -> anyhow::Result<()> {
 }
 
 fn errors(matches: &ArgMatches) -> anyhow::Result<Vec<f64>> {
-    let Some(list) = matches.get_one::<String>("errors") else { return Ok(ERRORS.to_vec()) };
-    let parsed: Option<Vec<f64>> = list.split(',').map(|part| part.trim().parse().ok()).collect();
-    match parsed.filter(|errors| !errors.is_empty() && errors.iter().all(|error| *error > 0.0 && *error < 1.0)) {
-        Some(errors) => Ok(errors),
-        None => bail!(
-            "--errors must be numbers between 0 and 1 with commas between them, such as 0.1,0.05 (it is `{list}`)"
-        ),
-    }
+    let must_be = "numbers between 0 and 1 with commas between them, such as 0.1,0.05";
+    let given = options::number_list(matches, "errors", must_be, |number| number > 0.0 && number < 1.0)?;
+    Ok(given.unwrap_or_else(|| ERRORS.to_vec()))
 }
 
 fn chart(job: &Job, sweep: &PictureSweep, offscreen: Option<&mut Offscreen>) -> anyhow::Result<PictureChart> {
@@ -145,7 +140,7 @@ struct Painter<'a> {
 
 impl MeshPainter for Painter<'_> {
     fn shown(&mut self, snapshot: &Snapshot, exposure: f32) -> Result<Vec<[u8; 3]>, String> {
-        let display = Display { exposure: Exposure::Manual { stops: exposure.log2() }, ..Display::default() };
+        let display = Display { exposure, ..Display::default() };
         let (outside, camera, size) = (self.outside, self.camera, self.size);
         let overlay = &Overlay::default();
         let frame = Frame { snapshot, outside, camera, display: &display, gathered: None, overlay, size };

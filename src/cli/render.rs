@@ -10,11 +10,10 @@ use glam::{DVec3, Vec2};
 use image::RgbaImage;
 use selflink::export::{PictureFormat, exr};
 use selflink::read::daylight_factor::open_ground;
-use selflink::read::picture::{GatheredPicture, write_labels};
+use selflink::read::picture::GatheredPicture;
 use selflink::render::{
     Camera, ChosenLinks, ClusterView, Display, Exposure, Frame, IsolinesWanted, LightMeter, LinkFilter, LinkStyle,
-    MAX_SIZE, Marks, Offscreen, Overlay, ReadingSettings, Show, by_clusters, developed, draw_legend, pick,
-    picked_marks,
+    MAX_SIZE, Marks, Offscreen, Overlay, ReadingSettings, Show, annotate, by_clusters, developed, pick, picked_marks,
 };
 use selflink::scene::{CameraPose, FiledCamera, Scene};
 use selflink::transport::{LinkView, SolutionView};
@@ -77,8 +76,8 @@ pub struct View {
     pub named_camera: Option<String>,
     /// The whole view, where neither of these is given.
     pub pose: Option<FiledCamera>,
-    /// How radiosities become colours.
-    pub display: Display,
+    /// How bright the picture is made.
+    pub exposure: Exposure,
     /// Lines drawn over the picture.
     pub overlay: Overlay,
     /// Clusters as colours, or pulled apart.
@@ -109,7 +108,7 @@ impl Default for View {
             camera: None,
             named_camera: None,
             pose: None,
-            display: Display::default(),
+            exposure: Exposure::default(),
             overlay: Overlay::default(),
             clusters: None,
             reading: ReadingSettings::default(),
@@ -191,11 +190,8 @@ fn show(picture: &GatheredPicture, scene: &Scene, solution: &Solution, view: &Vi
     let pixels = developed(picture, exposure, reading.as_ref()).context("the picture has no pixels")?;
     let [width, height] = pixels.size;
     let mut picture = RgbaImage::from_raw(width, height, pixels.pixels.into_flattened()).context("too few pixels")?;
-    if let Some(reading) = reading {
-        write_labels(&mut picture, &pixels.labels, reading.shown_in)?;
-    }
-    if let Some(reading) = reading.filter(|_| view.has_legend) {
-        draw_legend(&mut picture, &reading)?;
+    if let Some(reading) = &reading {
+        annotate(&mut picture, reading, &pixels.labels, view.has_legend)?;
     }
     Ok(picture)
 }
@@ -207,7 +203,7 @@ fn metered_exposure(scene: &Scene, solution: &Solution, view: &View) -> f32 {
     let (snapshot, occluders) = (&solution.snapshot, solution.solver.link_solution().occluders());
     let meter = LightMeter::new(snapshot, scene);
     let metered = meter.exposure(snapshot, occluders, &camera(scene, view), width / height).factor;
-    view.display.exposure.factor(metered)
+    view.exposure.factor(metered)
 }
 
 /// Draws a solution, or lines over a gathered picture of it.
@@ -238,8 +234,7 @@ pub fn draw(
     let reading = view.reading.reading(&solution.snapshot, open_ground(scene).ok());
     let as_colours = view.clusters.is_some_and(|clusters| clusters.coloured);
     let exposure = metered_exposure(scene, solution, view);
-    let in_force = Exposure::Manual { stops: exposure.log2() };
-    let display = Display { reading, as_colours, exposure: in_force };
+    let display = Display { exposure, as_colours, reading };
     let gathered = gathered.and_then(|picture| developed(picture, exposure, reading.as_ref())).map(Arc::new);
     let frame = Frame {
         snapshot,
@@ -251,11 +246,9 @@ pub fn draw(
         size: view.size,
     };
     let mut picture = offscreen.picture_over(&frame)?;
-    if let Some((pixels, reading)) = gathered.as_ref().zip(reading) {
-        write_labels(&mut picture, &pixels.labels, reading.shown_in)?;
-    }
-    if let Some(reading) = reading.filter(|_| view.has_legend && !as_colours) {
-        draw_legend(&mut picture, &reading)?;
+    if let Some(reading) = &reading {
+        let labels = gathered.as_ref().map_or(&[][..], |pixels| &pixels.labels);
+        annotate(&mut picture, reading, labels, view.has_legend && !as_colours)?;
     }
     Ok(picture)
 }
@@ -338,10 +331,9 @@ fn view(matches: &ArgMatches) -> anyhow::Result<View> {
     let size = text("size").map_or(Ok(USUAL_SIZE), size)?;
     let camera = text("camera").and_then(eye_and_target);
     let named_camera = text("camera").filter(|_| camera.is_none()).map(str::to_owned);
-    let display =
-        Display { exposure: text("exposure").map_or(Ok(Exposure::default()), exposure)?, ..Display::default() };
+    let exposure = text("exposure").map_or(Ok(Exposure::default()), exposure)?;
     let (reading, has_legend) = (reading::settings(matches)?, !matches.get_flag("no-legend"));
-    let mut view = View { size, camera, named_camera, display, reading, has_legend, ..View::default() };
+    let mut view = View { size, camera, named_camera, exposure, reading, has_legend, ..View::default() };
     for overlay in matches.get_many::<String>("overlay").unwrap_or_default() {
         add_overlay(&mut view, overlay)?;
     }

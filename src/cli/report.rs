@@ -3,7 +3,7 @@
 use std::fmt::Write as _;
 use std::time::Instant;
 
-use selflink::base::format::{bytes, count, number, quantity, seconds};
+use selflink::base::format::{bytes, count, number, percent, quantity, seconds};
 use selflink::export::settings::Settings;
 use selflink::gather::Quantiles;
 use selflink::scene::{FileLight, Scene, Sides, Skipped};
@@ -249,10 +249,6 @@ fn reached(target: f64, found: Option<&ErrorFound>) -> String {
 fn quantiles(found: &ErrorFound) -> String {
     let of = |of: &Quantiles| format!("p50 {}, p90 {}, p95 {}", percent(of.p50), percent(of.p90), percent(of.p95));
     format!("readings: {}; bare mesh: {}", of(&found.read), of(&found.mesh))
-}
-
-fn percent(share: f64) -> String {
-    format!("{} %", number(100.0 * share))
 }
 
 /// Power absorbed by bright sides in what is there to be seen, W (all colours summed): a solution

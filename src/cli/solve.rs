@@ -4,6 +4,7 @@
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
+use anyhow::Context;
 use clap::{ArgMatches, Command};
 use selflink::export::{LitMesh, MeshFormat, links};
 
@@ -50,9 +51,8 @@ pub fn run(matches: &ArgMatches, started: Instant) -> anyhow::Result<()> {
     if let Some(file) = &links_file {
         solution.solver.show_solution_view(true);
         let solution_view = job.pool.install(|| solution.solver.snapshot()).solution_view;
-        let rows =
-            solution_view.map(|solution_view| job.pool.install(|| links::rows(&solution_view))).unwrap_or_default();
-        file.write(|writer| links::write(writer, &rows))?;
+        let solution_view = solution_view.context("the solution does not show its links")?;
+        file.write(|writer| job.pool.install(|| links::write(writer, &solution_view)))?;
     }
     let report = Report::new(&job, &solution, started);
     if let Some(file) = &stats_file {

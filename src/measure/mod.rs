@@ -3,7 +3,7 @@
 
 pub mod accuracy;
 pub mod chart;
-mod records;
+pub mod records;
 pub mod reference;
 pub mod reference_worker;
 pub mod stability;

@@ -9,18 +9,14 @@ use std::time::{Duration, Instant};
 
 use crate::base::actor::{Actor, Desk};
 use crate::measure::accuracy::{ErrorMeter, ScatteredField, SolutionError};
-use crate::measure::reference::{Cache, ReferenceRun, random_points};
+use crate::measure::reference::{Cache, LEAST_PASSES, ReferenceRun, SAVE_EVERY, random_points};
 use crate::scene::Scene;
 use crate::solve::{Mesh, Snapshot};
 
 /// Noise at which a reference is good enough, relative RMS.
 pub const GOAL: f64 = 0.01;
-/// Passes before anything is measured: fewer know no error of their own.
-pub const LEAST_PASSES: u32 = 8;
-/// A snapshot is measured again by a better reference, and the reference kept on disk, this often
-/// at most.
+/// A snapshot is measured again by a better reference this often at most.
 const MEASURE_EVERY: Duration = Duration::from_millis(400);
-const SAVE_EVERY: Duration = Duration::from_secs(5);
 /// Seed of points and paths.
 const SEED: u64 = 1;
 

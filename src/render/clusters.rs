@@ -292,7 +292,7 @@ pub fn by_clusters(snapshot: &Snapshot, view: ClusterView) -> Option<Snapshot> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::render::{Camera, Display, Offscreen, Overlay};
+    use crate::render::{Camera, Display, Offscreen, Overlay, auto_exposure};
     use crate::scene::Scene;
     use crate::scene::builtin::BuiltinScene;
     use crate::solve::{ClusteringMode, Epsilon, Solver, SolverParams};
@@ -306,7 +306,7 @@ mod tests {
 
     fn picture(scene: &Scene, snapshot: &Snapshot, as_colours: bool) -> image::RgbaImage {
         let camera = Camera::of_scene(scene, 1.5);
-        let display = Display { as_colours, ..Display::default() };
+        let display = Display { exposure: auto_exposure(snapshot), as_colours, ..Display::default() };
         let mut offscreen = Offscreen::new().expect("an adapter is there");
         offscreen.picture(snapshot, &camera, &display, &Overlay::default(), [180, 120]).expect("it can be drawn")
     }

@@ -1,4 +1,5 @@
-//! The legend of false colours and isolux lines, drawn into the lower left corner of a picture.
+//! What tells the values of a picture: those of isolux lines along them, and the legend of false
+//! colours and lines in the lower left corner.
 
 use image::{Rgb, RgbImage, Rgba, RgbaImage, imageops};
 use plotters::backend::BitMapBackend;
@@ -10,6 +11,7 @@ use thiserror::Error;
 
 use super::Reading;
 use crate::base::font::family;
+use crate::read::picture::{LetteringError, LineLabel, write_labels};
 
 /// Sizes for a picture of 800 lines; larger ones have larger legends.
 const USUAL_HEIGHT: f32 = 800.0;
@@ -21,16 +23,34 @@ const PANEL: Rgb<u8> = Rgb([29, 31, 35]);
 const TEXT: RGBColor = RGBColor(236, 237, 240);
 const WEAK: RGBColor = RGBColor(160, 165, 175);
 
-/// A legend that cannot be drawn.
+/// Letters that cannot be drawn.
 #[derive(Debug, Error)]
-#[error("the legend cannot be drawn ({0})")]
-pub struct LegendError(String);
+pub enum AnnotationError {
+    /// Those along lines.
+    #[error(transparent)]
+    Labels(#[from] LetteringError),
+    /// Those of the legend.
+    #[error("the legend cannot be drawn ({0})")]
+    Legend(String),
+}
 
-/// Draws the legend of a reading into a picture; nothing where that is too small to hold it.
+/// Writes the values of lines along them into a picture and, if it is to have one, the legend of
+/// what is read off it.
 ///
 /// # Errors
 /// The letters cannot be drawn, for want of a font.
-pub fn draw_legend(picture: &mut RgbaImage, reading: &Reading) -> Result<(), LegendError> {
+pub fn annotate(
+    picture: &mut RgbaImage,
+    reading: &Reading,
+    labels: &[LineLabel],
+    has_legend: bool,
+) -> Result<(), AnnotationError> {
+    write_labels(picture, labels, reading.shown_in)?;
+    if has_legend { draw_legend(picture, reading) } else { Ok(()) }
+}
+
+/// Draws the legend; nothing where the picture is too small to hold it.
+fn draw_legend(picture: &mut RgbaImage, reading: &Reading) -> Result<(), AnnotationError> {
     let scale = (picture.height() as f32 / USUAL_HEIGHT).clamp(0.8, 4.0);
     let pixels = |length: f32| (scale * length).round() as u32;
     let [width, height] = CARD.map(pixels);
@@ -67,9 +87,13 @@ pub fn draw_legend(picture: &mut RgbaImage, reading: &Reading) -> Result<(), Leg
 }
 
 /// Title, values and convention.
-fn write(card: &mut RgbImage, reading: &Reading, (scale, labels): (f32, &[(u32, &str)])) -> Result<(), LegendError> {
+fn write(
+    card: &mut RgbImage,
+    reading: &Reading,
+    (scale, labels): (f32, &[(u32, &str)]),
+) -> Result<(), AnnotationError> {
     let (width, height) = card.dimensions();
-    let failed = |error: &dyn std::fmt::Display| LegendError(error.to_string());
+    let failed = |error: &dyn std::fmt::Display| AnnotationError::Legend(error.to_string());
     let area = BitMapBackend::with_buffer(card, (width, height)).into_drawing_area();
     let style = |size: f32, colour: &'static RGBColor, horizontal: HPos| {
         TextStyle::from((family(), f64::from(size * scale)).into_font())

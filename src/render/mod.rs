@@ -2,8 +2,7 @@
 //!
 //! Physics stays out: a [`Snapshot`] brings linear radiosities in W/m², and only here are they
 //! exposed, bent by the tone curve and gamma-encoded ([`Display`]). The module knows nothing of
-//! windows or panels. It imports `scene` (camera pose), `solve::snapshot` and, for clusters and
-//! links, the elements of `hierarchy`.
+//! windows or panels.
 //!
 //! A picture that was gathered at its pixels ([`crate::read::picture`]) is drawn in place of the
 //! mesh, which then only hides lines.
@@ -37,7 +36,7 @@ pub use camera::Camera;
 pub use clusters::{ApartMesh, ClusterParts, ClusterView, by_clusters, cluster_colours};
 pub use display::Display;
 pub use gathered::{Pixels, developed};
-pub use legend::{LegendError, draw_legend};
+pub use legend::{AnnotationError, annotate};
 pub use links::{ChosenLinks, LinkColour, LinkFilter, LinkStyle, Seen, USUAL_LINKS, level_colour};
 pub use meter::{LightMeter, Metered};
 pub use offscreen::Offscreen;

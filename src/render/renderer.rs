@@ -11,7 +11,7 @@ use super::pipelines::{COLOUR_FORMAT, DEPTH_FORMAT, Pipelines};
 use super::reading::{MOST_ISOLINES, Reading, Spacing, at_vertices, line_colour};
 use super::target::Target;
 use super::underlay::Underlay;
-use super::{Camera, Display, MAX_SIZE, Marks, Overlay, RenderError, auto_exposure};
+use super::{Camera, Display, MAX_SIZE, Marks, Overlay, RenderError};
 use crate::base::photometry::Quantity;
 use crate::read::picture::sky_behind;
 use crate::scene::outside::Outside;
@@ -186,7 +186,6 @@ pub struct SceneRenderer {
     /// The quantity that is read off the surfaces, and what it is there.
     measured: GrowingBuffer,
     measured_as: Option<Quantity>,
-    auto_exposure: f32,
     underlay: Option<Underlay>,
     /// The sky behind a picture of the mesh.
     sky: Option<Underlay>,
@@ -236,7 +235,6 @@ impl SceneRenderer {
             shown: None,
             measured: GrowingBuffer::new("vertex readings", wgpu::BufferUsages::VERTEX),
             measured_as: None,
-            auto_exposure: 1.0,
             underlay: None,
             sky: None,
             smooth_sampler,
@@ -265,7 +263,7 @@ impl SceneRenderer {
             size: [width, height],
             exposure: match frame.display.as_colours {
                 true => COLOURS_AS_THEY_ARE,
-                false => frame.display.exposure.factor(self.auto_exposure),
+                false => frame.display.exposure,
             },
             line_near: LINE_NEAR * frame.camera.near(),
             reading: reading.as_ref().map_or(bytemuck::Zeroable::zeroed(), ReadingUniform::new),
@@ -325,7 +323,6 @@ impl SceneRenderer {
         let identity = (snapshot.generation, snapshot.serial);
         if self.shown != Some(identity) {
             self.radiosities.write(device, queue, cast_slice(&snapshot.vertex_radiosity))?;
-            self.auto_exposure = auto_exposure(snapshot);
             self.shown = Some(identity);
             self.measured_as = None;
         }
@@ -360,8 +357,7 @@ impl SceneRenderer {
         self.sky = outside.map(|outside| {
             let size = frame.size.map(|side| side.div_ceil(SKY_STEP).max(2));
             let [width, height] = frame.size.map(|side| side as f32);
-            let exposure = frame.display.exposure.factor(self.auto_exposure);
-            let pixels = sky_behind(outside, &frame.camera.lens(width / height), exposure, size);
+            let pixels = sky_behind(outside, &frame.camera.lens(width / height), frame.display.exposure, size);
             let pixels = Arc::new(Pixels { size, pixels, labels: Vec::new() });
             Underlay::new(&self.device, &self.queue, (&self.pipelines.picture_layout, &self.smooth_sampler), &pixels)
         });

@@ -18,10 +18,11 @@ pub struct Kept {
 }
 
 /// A level rectangle in which a task is done, and the light that it asks for (EN 12464-1).
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct TaskArea {
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct TaskArea<Corner = Vec3> {
     /// Two opposite corners, in the scene's coordinates.
-    pub corners: [Vec3; 2],
+    pub corners: [Corner; 2],
     /// Height above the floor, in the scene's length unit.
     pub height: f32,
     /// Average illuminance Ē that is asked for, lx.
@@ -31,18 +32,7 @@ pub struct TaskArea {
 }
 
 /// A task area in a file's coordinates, as sidecars give it.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct FiledTaskArea {
-    /// Two opposite corners.
-    pub corners: [DVec3; 2],
-    /// Height above the floor, in the scene's length unit.
-    pub height: f32,
-    /// Average illuminance Ē that is asked for, lx.
-    pub average_lux: f32,
-    /// Uniformity U₀ that is asked for.
-    pub uniformity: f32,
-}
+pub type FiledTaskArea = TaskArea<DVec3>;
 
 impl FiledTaskArea {
     /// The area in the coordinates of a scene.

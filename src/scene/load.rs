@@ -24,14 +24,6 @@ pub enum Source {
     Builtin(BuiltinScene),
 }
 
-/// Loads a scene from wherever it comes.
-///
-/// # Errors
-/// As [`load_file`].
-pub fn load(source: &Source) -> Result<Scene, LoadError> {
-    load_with(source, &Reading::default())
-}
-
 /// Loads a scene from wherever it comes, a file read as a person says; one of our own scenes is as
 /// it is.
 ///

@@ -1,8 +1,7 @@
 //! The scene: polygons, materials, groups and a camera, as every later layer reads them.
 //!
-//! A scene comes from a file ([`load`]: OBJ, glTF/GLB, PLY or STL, and its sidecar) or from code
-//! ([`builtin`]). Nothing here knows about clusters, links or windows; this module imports no other
-//! of the crate.
+//! A scene comes from a file ([`load_file`]: OBJ, glTF/GLB, PLY or STL, and its sidecar) or from
+//! code ([`builtin`]). Nothing here knows about clusters, links or windows.
 
 mod assemble;
 pub mod builtin;
@@ -51,7 +50,7 @@ pub use edit::EditError;
 pub use face::{FaceDetails, Surface};
 pub use files::{FileError, SceneFiles, SceneFolder};
 pub use kept::{FiledTaskArea, Kept, TaskArea};
-pub use load::{Source, load, load_bytes, load_file, load_with};
+pub use load::{Source, load_bytes, load_file, load_with};
 pub use load_error::{Fault, LoadError};
 pub use luminaire::{
     CEILING_LIGHT, FiledLuminaire, LINE_WIDTH, Luminaire, LuminaireForm, LuminaireShape, PlacedLuminaire,

@@ -10,10 +10,10 @@ use std::io::{self, BufWriter, Write as _};
 use std::path::{Path, PathBuf};
 
 use glam::Vec3;
-use serde_json::json;
 
-use super::place::shortest;
+use super::sidecar::{Sidecar, SidecarMaterial};
 use super::{GroupId, Material, Polygon, Scene, Sides, group_names};
+use crate::base::file;
 
 /// A file that cannot be written.
 #[derive(Debug, thiserror::Error)]
@@ -41,12 +41,7 @@ pub(crate) fn write_file(
     content: impl FnOnce(&mut BufWriter<File>) -> io::Result<()>,
 ) -> Result<PathBuf, WriteError> {
     let path = folder.join(name);
-    let write = || {
-        let mut writer = BufWriter::new(File::create(&path)?);
-        content(&mut writer)?;
-        writer.flush()
-    };
-    match write() {
+    match file::write(&path, content) {
         Ok(()) => Ok(path),
         Err(source) => Err(WriteError { path, source }),
     }
@@ -120,18 +115,16 @@ fn mtl_text(materials: &[Material], names: &[String]) -> String {
 fn sidecar_text(scene: &Scene, names: &[String]) -> String {
     // Faces that were made into two opposite patches have been written once.
     let sides = if scene.polygons.iter().any(|polygon| polygon.is_back) { Sides::Both } else { scene.sides };
-    let mut sidecar = json!({ "sides": sides });
-    let bright: serde_json::Map<_, _> = (scene.materials.iter().zip(names))
+    let bright = (scene.materials.iter().zip(names))
         .filter(|(material, _)| material.reflectance.max_element() > HIGHEST_FILE_REFLECTANCE)
-        .map(|(material, name)| (name.clone(), json!({ "reflectance": decimal(material.reflectance) })))
-        .collect();
-    if !bright.is_empty() {
-        sidecar["materials"] = bright.into();
-    }
-    if let Some(camera) = scene.camera {
-        sidecar["camera"] = json!(camera.in_file(scene));
-    }
-    format!("{sidecar:#}\n")
+        .map(|(material, name)| {
+            (name.clone(), SidecarMaterial { reflectance: Some(material.reflectance), ..Default::default() })
+        });
+    let mut sidecar = Sidecar::default();
+    sidecar.materials = bright.collect();
+    sidecar.sides = Some(sides);
+    sidecar.camera = scene.camera.map(|camera| camera.in_file(scene));
+    serde_json::to_string_pretty(&sidecar).expect("numbers, and text as keys") + "\n"
 }
 
 fn line(text: &mut String, arguments: std::fmt::Arguments<'_>) {
@@ -148,10 +141,6 @@ fn radiance(exitance: f32) -> f32 {
         .filter(|candidate| candidate * std::f32::consts::PI == exitance)
         .min_by_key(|candidate| candidate.to_string().len())
         .unwrap_or(nearest)
-}
-
-fn decimal(vector: Vec3) -> [f64; 3] {
-    vector.to_array().map(shortest)
 }
 
 /// A name as one word of an OBJ line.
@@ -185,6 +174,7 @@ fn group_name(scene: &Scene, group: GroupId) -> String {
 #[cfg(test)]
 mod tests {
     use glam::{Vec3, vec3};
+    use serde_json::json;
 
     use super::*;
     use crate::scene::CameraPose;

@@ -5,8 +5,6 @@
 //! are judged again, until none fails ([`crate::transport`]); where an error is asked for, light is
 //! then gathered anew over them until a certificate keeps the target error ([`crate::gather`]).
 //! What a changed setting, lamp or material asks for is found by `change` and done by `live`.
-//!
-//! This module imports `scene`, `geometry`, `hierarchy`, `transport` and `gather`.
 
 mod balance;
 mod change;

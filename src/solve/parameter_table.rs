@@ -6,43 +6,6 @@ use std::ops::RangeInclusive;
 
 use super::change::ChangeCost;
 
-/// Names the parameters; the order is that of the panel.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum ParameterId {
-    /// Target error.
-    Error,
-    /// ε relative to Φ.
-    Epsilon,
-    /// ε in W.
-    EpsilonWatts,
-    /// How light is shown.
-    Reconstruct,
-    /// ε_partial / ε.
-    PartialFactor,
-    /// f_vis.
-    VisibilityFactor,
-    /// Lower ray bound.
-    RaysMin,
-    /// Upper ray bound.
-    RaysMax,
-    /// Clustering mode.
-    Clustering,
-    /// Octree depth.
-    OctreeDepth,
-    /// Cluster model.
-    ClusterModel,
-    /// Push mode.
-    Push,
-    /// Reflecting sides.
-    Sides,
-    /// Worker threads.
-    Threads,
-    /// Random seed.
-    Seed,
-    /// Memory budget.
-    Memory,
-}
-
 /// The kind of value and where it may lie.
 #[derive(Clone, Debug, PartialEq)]
 pub enum ValueKind {
@@ -103,152 +66,102 @@ impl Parameter {
     }
 }
 
-/// Every parameter, in the order of the panel.
-pub const PARAMETERS: [Parameter; 16] = [
-    Parameter {
-        id: ParameterId::Error,
-        flag: "error",
-        label: "Target error",
-        unit: "",
-        hint: "Target error: 9 of 10 surfaces are read within this share of their light. The solver chooses ε and ends when a certificate says so.",
-        kind: ValueKind::Real { range: 0.01..=0.3, logarithmic: true },
-        costs: [ChangeCost::Verdicts, ChangeCost::Refinement],
-    },
-    Parameter {
-        id: ParameterId::Epsilon,
-        flag: "epsilon",
-        label: "Link threshold ε",
-        unit: "Φ",
-        hint: "A link is refined while its unoccluded power B·F·A exceeds this share of the scene's emitted power (section 2.3).",
-        kind: ValueKind::Real { range: 1e-7..=1e-1, logarithmic: true },
-        costs: [ChangeCost::Verdicts, ChangeCost::Refinement],
-    },
-    Parameter {
-        id: ParameterId::EpsilonWatts,
-        flag: "epsilon-watts",
-        label: "Link threshold ε in watts",
-        unit: "W",
-        hint: "The same threshold in watts, as the solver uses it; it does not follow a dimmed lamp (section 2.3).",
-        kind: ValueKind::Real { range: 1e-9..=1e6, logarithmic: true },
-        costs: [ChangeCost::Verdicts, ChangeCost::Refinement],
-    },
-    Parameter {
-        id: ParameterId::Reconstruct,
-        flag: "reconstruct",
-        label: "Shading",
-        unit: "",
-        hint: "How light is shown: flat, one value for each leaf; smooth, interpolated between vertices; or by a final gather.",
-        kind: ValueKind::Choice { names: &[("constant", "flat"), ("vertex", "smooth"), ("gather", "final-gather")] },
-        costs: [ChangeCost::Radiosities; 2],
-    },
-    Parameter {
-        id: ParameterId::PartialFactor,
-        flag: "partial-factor",
-        label: "Threshold factor for partly occluded links",
-        unit: "",
-        hint: "Partly visible links are refined down to ε times this factor; the paper found 1/10 good (section 2.3).",
-        kind: ValueKind::Real { range: 0.01..=1.0, logarithmic: true },
-        costs: [ChangeCost::Verdicts, ChangeCost::Refinement],
-    },
-    Parameter {
-        id: ParameterId::VisibilityFactor,
-        flag: "visibility-factor",
-        label: "Rays per power f_vis",
-        unit: "rays",
-        hint: "Visibility rays of a link per B·F·A/ε, so that every ray decides about the same power (section 2.4).",
-        kind: ValueKind::Real { range: 0.1..=64.0, logarithmic: true },
-        costs: [ChangeCost::Nothing, ChangeCost::Verdicts],
-    },
-    Parameter {
-        id: ParameterId::RaysMin,
-        flag: "rays-min",
-        label: "Min rays per link",
-        unit: "",
-        hint: "Fewest visibility rays of a tested link; most links need no more, so this bound costs the most time (section 2.4).",
-        kind: ValueKind::Whole { range: 1..=64 },
-        costs: [ChangeCost::Nothing, ChangeCost::Verdicts],
-    },
-    Parameter {
-        id: ParameterId::RaysMax,
-        flag: "rays-max",
-        label: "Max rays per link",
-        unit: "",
-        hint: "Most visibility rays of a link (section 2.4).",
-        kind: ValueKind::Whole { range: 1..=1024 },
-        costs: [ChangeCost::Nothing, ChangeCost::Verdicts],
-    },
-    Parameter {
-        id: ParameterId::Clustering,
-        flag: "clustering",
-        label: "Clustering",
-        unit: "",
-        hint: "How polygons are grouped: not at all (plain hierarchical radiosity), octree, the scene's own groups, or adaptive (section 2.2).",
-        kind: ValueKind::Choice {
-            names: &[("none", "none"), ("octree", "octree"), ("groups", "groups"), ("adaptive", "adaptive")],
-        },
-        costs: [ChangeCost::Hierarchy; 2],
-    },
-    Parameter {
-        id: ParameterId::OctreeDepth,
-        flag: "octree-depth",
-        label: "Octree depth",
-        unit: "levels",
-        hint: "Deepest level of the octree, the root being level 1 (Table 2).",
-        kind: ValueKind::Whole { range: 1..=10 },
-        costs: [ChangeCost::Hierarchy; 2],
-    },
-    Parameter {
-        id: ParameterId::ClusterModel,
-        flag: "cluster-model",
-        label: "Cluster model",
-        unit: "",
-        hint: "Light of a cluster: alike into all directions (isotropic, the paper's, section 1.2) or as its polygons are turned (oriented, by samples).",
-        kind: ValueKind::Choice { names: &[("isotropic", "isotropic"), ("oriented", "oriented")] },
-        costs: [ChangeCost::Verdicts; 2],
-    },
-    Parameter {
-        id: ParameterId::Push,
-        flag: "push",
-        label: "Irradiance push-down",
-        unit: "",
-        hint: "Hand irradiance that a cluster receives to its patches link by link with their cosine (immediate) or evenly afterwards (deferred, section 3.3).",
-        kind: ValueKind::Choice { names: &[("immediate", "immediate"), ("deferred", "deferred")] },
-        costs: [ChangeCost::Radiosities; 2],
-    },
-    Parameter {
-        id: ParameterId::Sides,
-        flag: "sides",
-        label: "Reflecting sides",
-        unit: "",
-        hint: "Which sides of a face reflect: the one its winding shows, both, or the one that the room sees (auto); as the scene says if not given.",
-        kind: ValueKind::Choice { names: &[("front", "front"), ("both", "both"), ("auto", "auto")] },
-        costs: [ChangeCost::Scene; 2],
-    },
-    Parameter {
-        id: ParameterId::Threads,
-        flag: "threads",
-        label: "Threads",
-        unit: "",
-        hint: "Worker threads, 0 for every core; the result is the same for any number.",
-        kind: ValueKind::Whole { range: 0..=64 },
-        costs: [ChangeCost::Nothing; 2],
-    },
-    Parameter {
-        id: ParameterId::Seed,
-        flag: "seed",
-        label: "Seed",
-        unit: "",
-        hint: "Seed of the visibility rays; the same seed gives the same solution, bit for bit.",
-        kind: ValueKind::Whole { range: 0..=1_000_000 },
-        costs: [ChangeCost::Links; 2],
-    },
-    Parameter {
-        id: ParameterId::Memory,
-        flag: "memory",
-        label: "Memory limit",
-        unit: "",
-        hint: "Memory that scene and solution may take, as a share of the machine's or a size such as 4GiB; refinement stops before it takes more.",
-        kind: ValueKind::Real { range: 0.02..=0.9, logarithmic: false },
-        costs: [ChangeCost::Nothing, ChangeCost::Verdicts],
-    },
-];
+/// A number of a log slider.
+const fn logarithmic(range: RangeInclusive<f64>) -> ValueKind {
+    ValueKind::Real { range, logarithmic: true }
+}
+
+const fn linear(range: RangeInclusive<f64>) -> ValueKind {
+    ValueKind::Real { range, logarithmic: false }
+}
+
+const fn whole(range: RangeInclusive<u64>) -> ValueKind {
+    ValueKind::Whole { range }
+}
+
+const fn choice(names: &'static [(&'static str, &'static str)]) -> ValueKind {
+    ValueKind::Choice { names }
+}
+
+/// Defines the names of parameters and their table: flag, label, unit if it has one, kind, what a
+/// lower and a higher value cost, hint.
+macro_rules! parameters {
+    ($($(#[$doc:meta])* $name:ident = $flag:literal, $label:literal $(in $unit:literal)?, $kind:expr,
+        [$lower:ident, $higher:ident], $hint:literal;)*) => {
+        /// Names the parameters; the order is that of the panel.
+        #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+        pub enum ParameterId {
+            $($(#[$doc])* $name,)*
+        }
+
+        /// Every parameter, in the order of the panel.
+        pub const PARAMETERS: [Parameter; [$(ParameterId::$name),*].len()] = [$(Parameter {
+            id: ParameterId::$name,
+            flag: $flag,
+            label: $label,
+            unit: concat!($($unit)?),
+            hint: $hint,
+            kind: $kind,
+            costs: [ChangeCost::$lower, ChangeCost::$higher],
+        }),*];
+    };
+}
+
+parameters! {
+    /// Target error.
+    Error = "error", "Target error", logarithmic(0.01..=0.3), [Verdicts, Refinement],
+        "Target error: 9 of 10 surfaces are read within this share of their light. The solver chooses ε and ends when a certificate says so.";
+    /// ε relative to Φ.
+    Epsilon = "epsilon", "Link threshold ε" in "Φ", logarithmic(1e-7..=1e-1), [Verdicts, Refinement],
+        "A link is refined while its unoccluded power B·F·A exceeds this share of the scene's emitted power (section 2.3).";
+    /// ε in W.
+    EpsilonWatts = "epsilon-watts", "Link threshold ε in watts" in "W", logarithmic(1e-9..=1e6), [Verdicts, Refinement],
+        "The same threshold in watts, as the solver uses it; it does not follow a dimmed lamp (section 2.3).";
+    /// How light is shown.
+    Reconstruct = "reconstruct", "Shading",
+        choice(&[("constant", "flat"), ("vertex", "smooth"), ("gather", "final-gather")]), [Radiosities, Radiosities],
+        "How light is shown: flat, one value for each leaf; smooth, interpolated between vertices; or by a final gather.";
+    /// ε_partial / ε.
+    PartialFactor = "partial-factor", "Threshold factor for partly occluded links",
+        logarithmic(0.01..=1.0), [Verdicts, Refinement],
+        "Partly visible links are refined down to ε times this factor; the paper found 1/10 good (section 2.3).";
+    /// f_vis.
+    VisibilityFactor = "visibility-factor", "Rays per power f_vis" in "rays",
+        logarithmic(0.1..=64.0), [Nothing, Verdicts],
+        "Visibility rays of a link per B·F·A/ε, so that every ray decides about the same power (section 2.4).";
+    /// Lower ray bound.
+    RaysMin = "rays-min", "Min rays per link", whole(1..=64), [Nothing, Verdicts],
+        "Fewest visibility rays of a tested link; most links need no more, so this bound costs the most time (section 2.4).";
+    /// Upper ray bound.
+    RaysMax = "rays-max", "Max rays per link", whole(1..=1024), [Nothing, Verdicts],
+        "Most visibility rays of a link (section 2.4).";
+    /// Clustering mode.
+    Clustering = "clustering", "Clustering",
+        choice(&[("none", "none"), ("octree", "octree"), ("groups", "groups"), ("adaptive", "adaptive")]),
+        [Hierarchy, Hierarchy],
+        "How polygons are grouped: not at all (plain hierarchical radiosity), octree, the scene's own groups, or adaptive (section 2.2).";
+    /// Octree depth.
+    OctreeDepth = "octree-depth", "Octree depth" in "levels", whole(1..=10), [Hierarchy, Hierarchy],
+        "Deepest level of the octree, the root being level 1 (Table 2).";
+    /// Cluster model.
+    ClusterModel = "cluster-model", "Cluster model",
+        choice(&[("isotropic", "isotropic"), ("oriented", "oriented")]), [Verdicts, Verdicts],
+        "Light of a cluster: alike into all directions (isotropic, the paper's, section 1.2) or as its polygons are turned (oriented, by samples).";
+    /// Push mode.
+    Push = "push", "Irradiance push-down",
+        choice(&[("immediate", "immediate"), ("deferred", "deferred")]), [Radiosities, Radiosities],
+        "Hand irradiance that a cluster receives to its patches link by link with their cosine (immediate) or evenly afterwards (deferred, section 3.3).";
+    /// Reflecting sides.
+    Sides = "sides", "Reflecting sides",
+        choice(&[("front", "front"), ("both", "both"), ("auto", "auto")]), [Scene, Scene],
+        "Which sides of a face reflect: the one its winding shows, both, or the one that the room sees (auto); as the scene says if not given.";
+    /// Worker threads.
+    Threads = "threads", "Threads", whole(0..=64), [Nothing, Nothing],
+        "Worker threads, 0 for every core; the result is the same for any number.";
+    /// Random seed.
+    Seed = "seed", "Seed", whole(0..=1_000_000), [Links, Links],
+        "Seed of the visibility rays; the same seed gives the same solution, bit for bit.";
+    /// Memory budget.
+    Memory = "memory", "Memory limit", linear(0.02..=0.9), [Nothing, Verdicts],
+        "Memory that scene and solution may take, as a share of the machine's or a size such as 4GiB; refinement stops before it takes more.";
+}

@@ -182,6 +182,58 @@ impl SolverParams {
         }
     }
 
+    /// A parameter that is a real number; `None` of an error that is not asked for and of ε in the
+    /// measure that it is not set in, and where the parameter is none.
+    pub fn real(&self, id: ParameterId) -> Option<f64> {
+        match (id, self.epsilon) {
+            (ParameterId::Error, _) => self.error,
+            (ParameterId::Epsilon, Epsilon::Relative(epsilon)) => Some(epsilon),
+            (ParameterId::EpsilonWatts, Epsilon::Watts(epsilon)) => Some(epsilon),
+            (ParameterId::PartialFactor, _) => Some(self.partial_factor),
+            (ParameterId::VisibilityFactor, _) => Some(self.visibility_factor),
+            (ParameterId::Memory, _) => Some(self.memory.share()),
+            _ => None,
+        }
+    }
+
+    /// Sets a parameter that is a real number.
+    pub fn set_real(&mut self, id: ParameterId, value: f64) {
+        match id {
+            ParameterId::Error => self.error = Some(value),
+            ParameterId::Epsilon => self.epsilon = Epsilon::Relative(value),
+            ParameterId::EpsilonWatts => self.epsilon = Epsilon::Watts(value),
+            ParameterId::PartialFactor => self.partial_factor = value,
+            ParameterId::VisibilityFactor => self.visibility_factor = value,
+            ParameterId::Memory => self.memory = MemoryBudget::Share(value),
+            _ => {}
+        }
+    }
+
+    /// A parameter that is a whole number; `None` where it is none.
+    pub fn whole(&self, id: ParameterId) -> Option<u64> {
+        match id {
+            ParameterId::RaysMin => Some(self.rays_min.into()),
+            ParameterId::RaysMax => Some(self.rays_max.into()),
+            ParameterId::OctreeDepth => Some(self.octree_depth.into()),
+            ParameterId::Threads => Some(self.threads.into()),
+            ParameterId::Seed => Some(self.seed),
+            _ => None,
+        }
+    }
+
+    /// Sets a parameter that is a whole number.
+    pub fn set_whole(&mut self, id: ParameterId, value: u64) {
+        let small = u32::try_from(value).unwrap_or(u32::MAX);
+        match id {
+            ParameterId::RaysMin => self.rays_min = small,
+            ParameterId::RaysMax => self.rays_max = small,
+            ParameterId::OctreeDepth => self.octree_depth = small,
+            ParameterId::Threads => self.threads = small,
+            ParameterId::Seed => self.seed = value,
+            _ => {}
+        }
+    }
+
     /// Refines by power whatever the file of an older version says; the sentence for a person
     /// where that makes a difference.
     pub fn forget_criterion(&mut self) -> Option<&'static str> {

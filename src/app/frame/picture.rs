@@ -13,7 +13,7 @@ use crate::app::view::viewport::Clicked;
 use crate::app::view::{divider, gizmo, line_labels, measure_marks};
 use crate::app::widgets::theme;
 use crate::app::{App, Outbox, REPAINT_INTERVAL_ON_CPU};
-use crate::render::{Camera, Display, Exposure, Marks};
+use crate::render::{Camera, Display, Marks};
 use crate::solve::{Snapshot, USUAL_ERROR};
 
 /// Longest side of the picture, pixels: what every device draws.
@@ -110,7 +110,7 @@ impl App {
         let is_unlit = own_colours.is_some() || is_dark_here;
         let metered = tools.pinned.exposure(view.exposure);
         let display = Display {
-            exposure: Exposure::Manual { stops: edits.display.display().exposure.factor(metered).log2() },
+            exposure: edits.display.exposure(metered),
             as_colours: has_errors || own_colours.is_some() || (by_clusters.is_some() && view.clusters.coloured),
             reading,
         };

@@ -10,7 +10,8 @@ use crate::app::state::comparison::{Comparison, POINTS, Run, RunPoint, Shading};
 use crate::app::widgets::{rows, theme};
 use crate::app::{Wake, format, words};
 use crate::measure::accuracy::SolutionError;
-use crate::measure::reference_worker::{GOAL, LEAST_PASSES};
+use crate::measure::reference::LEAST_PASSES;
+use crate::measure::reference_worker::GOAL;
 use crate::worker::SceneInfo;
 
 /// Height of the chart, points.

@@ -140,13 +140,13 @@ fn show_widget(ui: &mut Ui, parameter: &Parameter, params: &mut SolverParams, st
                 .suffix(suffix(parameter.unit));
             let response = ui.add(slider);
             if response.changed() {
-                set_real(params, parameter.id, value);
+                params.set_real(parameter.id, value);
             }
             response
         }
         ValueKind::Whole { range } => {
             let id = parameter.id;
-            let mut value = whole(params, id);
+            let mut value = params.whole(id).unwrap_or_default();
             let suffix = suffix_of(value, parameter.unit);
             let slider = Slider::new(&mut value, range.clone())
                 .clamping(egui::SliderClamping::Edits)
@@ -240,54 +240,19 @@ fn whole_value(id: ParameterId, text: &str) -> Option<f64> {
 
 fn real(params: &SolverParams, id: ParameterId, epsilon: EpsilonMeasures) -> f64 {
     match id {
-        ParameterId::Error => params.error.unwrap_or(USUAL_ERROR),
         ParameterId::Epsilon => epsilon.relative,
         ParameterId::EpsilonWatts => epsilon.watts,
-        ParameterId::PartialFactor => params.partial_factor,
-        ParameterId::VisibilityFactor => params.visibility_factor,
-        ParameterId::Memory => params.memory.share(),
-        _ => 0.0,
-    }
-}
-
-fn set_real(params: &mut SolverParams, id: ParameterId, value: f64) {
-    match id {
-        ParameterId::Error => params.error = Some(value),
-        ParameterId::Epsilon => params.epsilon = Epsilon::Relative(value),
-        ParameterId::EpsilonWatts => params.epsilon = Epsilon::Watts(value),
-        ParameterId::PartialFactor => params.partial_factor = value,
-        ParameterId::VisibilityFactor => params.visibility_factor = value,
-        ParameterId::Memory => params.memory = MemoryBudget::Share(value),
-        _ => {}
-    }
-}
-
-fn whole(params: &SolverParams, id: ParameterId) -> u64 {
-    match id {
-        ParameterId::RaysMin => params.rays_min.into(),
-        ParameterId::RaysMax => params.rays_max.into(),
-        ParameterId::OctreeDepth => params.octree_depth.into(),
-        ParameterId::Threads => params.threads.into(),
-        ParameterId::Seed => params.seed,
-        _ => 0,
+        // No other is missing than an error that is not asked for.
+        _ => params.real(id).unwrap_or(USUAL_ERROR),
     }
 }
 
 fn set_whole(params: &mut SolverParams, id: ParameterId, value: u64) {
-    let small = u32::try_from(value).unwrap_or(u32::MAX);
+    params.set_whole(id, value);
+    // Each bound pushes the other along, so that a drag never asks for what cannot be.
     match id {
-        // Each bound pushes the other along, so that a drag never asks for what cannot be.
-        ParameterId::RaysMin => {
-            params.rays_min = small;
-            params.rays_max = params.rays_max.max(small);
-        }
-        ParameterId::RaysMax => {
-            params.rays_max = small;
-            params.rays_min = params.rays_min.min(small);
-        }
-        ParameterId::OctreeDepth => params.octree_depth = small,
-        ParameterId::Threads => params.threads = small,
-        ParameterId::Seed => params.seed = value,
+        ParameterId::RaysMin => params.rays_max = params.rays_max.max(params.rays_min),
+        ParameterId::RaysMax => params.rays_min = params.rays_min.min(params.rays_max),
         _ => {}
     }
 }
@@ -315,13 +280,13 @@ mod tests {
             match &parameter.kind {
                 ValueKind::Real { range, .. } => {
                     let middle = (range.start() * range.end()).sqrt() * 1.1;
-                    set_real(&mut after, parameter.id, middle);
+                    after.set_real(parameter.id, middle);
                     let epsilon = EpsilonMeasures::new(after.epsilon, Some(&stats));
                     assert_eq!(real(&after, parameter.id, epsilon), middle, "{}", parameter.flag);
                 }
                 ValueKind::Whole { range } => {
                     set_whole(&mut after, parameter.id, *range.end());
-                    assert_eq!(whole(&after, parameter.id), *range.end(), "{}", parameter.flag);
+                    assert_eq!(after.whole(parameter.id), Some(*range.end()), "{}", parameter.flag);
                 }
                 ValueKind::Choice { names } => {
                     for (name, _) in *names {

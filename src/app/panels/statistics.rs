@@ -4,6 +4,7 @@ use egui::Ui;
 
 use crate::app::widgets::{rows, theme};
 use crate::app::{Shown, format};
+use crate::base::format::percent;
 use crate::gather::Quantiles;
 use crate::solve::Stats;
 
@@ -96,11 +97,7 @@ fn rows(stats: &Stats) -> Vec<(&'static str, String)> {
 
 /// Quantiles over the area of the local error |ΔE|/(E + E₀), in per cent.
 fn quantiles(of: &Quantiles) -> String {
-    format!("{}, {}, {}", percent(of.p50), percent(of.p90), percent(of.p95))
-}
-
-fn percent(share: f64) -> String {
-    format!("{} %", format::number(100.0 * share))
+    [of.p50, of.p90, of.p95].map(percent).join(", ")
 }
 
 #[cfg(test)]

@@ -6,12 +6,13 @@ use std::sync::Arc;
 use serde::{Deserialize, Serialize};
 
 use crate::app::Wake;
+use crate::app::view::paint::fresh_serial;
 use crate::measure::accuracy::SolutionError;
 use crate::measure::reference::Cache;
 use crate::measure::reference_worker::{Measurement, ReferenceWorker, Report};
 use crate::render::{BLUE_WHITE_RED, VIRIDIS, along_ramp};
 use crate::scene::Scene;
-use crate::solve::{Epsilon, Snapshot, SolverParams};
+use crate::solve::{Epsilon, Snapshot, SolverParams, name_of};
 
 /// Points of a reference that a person may choose.
 pub const POINTS: std::ops::RangeInclusive<usize> = 250..=16_000;
@@ -187,7 +188,7 @@ impl Comparison {
                 run.points.push(point);
             }
             None => {
-                let run = Run { name: name_of(params), params: *params, generation, points: vec![point] };
+                let run = Run { name: in_words(params), params: *params, generation, points: vec![point] };
                 self.runs.push(run);
                 let surplus = self.runs.len().saturating_sub(MOST_RUNS);
                 self.runs.drain(..surplus);
@@ -224,8 +225,7 @@ impl Comparison {
             let colour = |&difference: &f32| self.shading.colour(difference).map(|channel| f32::from(channel) / 255.0);
             let snapshot = Snapshot {
                 vertex_radiosity: measured.differences.iter().map(colour).collect(),
-                // Told apart from the lit picture, and from other colours.
-                serial: u64::MAX - 2 * measured.serial - u64::from(self.shading == Shading::Error),
+                serial: fresh_serial(),
                 ..(*measured.snapshot).clone()
             };
             self.painted =
@@ -236,13 +236,11 @@ impl Comparison {
 }
 
 /// Settings in a few words.
-fn name_of(params: &SolverParams) -> String {
+fn in_words(params: &SolverParams) -> String {
     let asked = match (params.error, params.epsilon) {
         (Some(error), _) => format!("{} % asked", crate::base::format::number(100.0 * error)),
         (None, Epsilon::Relative(share)) => format!("ε {share:.0e} Φ"),
         (None, Epsilon::Watts(watts)) => format!("ε {watts:.1e} W"),
     };
-    let mode = format!("{:?}", params.clustering).to_lowercase();
-    let push = format!("{:?}", params.push).to_lowercase();
-    format!("{asked}, {mode}, {push}")
+    format!("{asked}, {}, {}", name_of(&params.clustering), name_of(&params.push))
 }

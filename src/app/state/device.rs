@@ -14,15 +14,15 @@ use crate::export::settings::Settings;
 
 /// State that a window which lost its device hands over to the next one.
 #[derive(Clone, Debug)]
-pub struct Legacy {
+pub struct HandedOver {
     /// Scene, light, view and parameters.
     pub settings: Settings,
     /// Why the device was lost, in the driver's words.
     pub reason: String,
 }
 
-/// Where a window leaves its legacy, for whoever opens the next one.
-pub type DeviceLossState = Arc<Mutex<Option<Legacy>>>;
+/// Where a window leaves what it hands over, for whoever opens the next one.
+pub type DeviceLossState = Arc<Mutex<Option<HandedOver>>>;
 
 /// The graphics device, and what becomes of the window without it.
 pub struct Graphics {
@@ -71,8 +71,8 @@ impl DeviceState {
 /// is kept.
 impl Drop for App {
     fn drop(&mut self) {
-        if let (Some(will), Some(reason)) = (&self.graphics.loss, self.graphics.state.is_it_lost()) {
-            *lock(will) = Some(Legacy { settings: self.settings(), reason });
+        if let (Some(loss), Some(reason)) = (&self.graphics.loss, self.graphics.state.is_it_lost()) {
+            *lock(loss) = Some(HandedOver { settings: self.settings(), reason });
         }
     }
 }

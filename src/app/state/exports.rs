@@ -18,11 +18,12 @@ use crate::app::view::paint::Picture;
 use crate::app::widgets::dialog::Dialog;
 use crate::app::{Wake, format};
 use crate::base::cancel::CancelToken;
+use crate::base::file;
 use crate::base::threads::Background;
 use crate::export::peers::Peer;
 use crate::export::{LitMesh, MeshFormat, exr, file_name, links};
-use crate::read::picture::{GatheredPicture, write_labels};
-use crate::render::{Frame, Offscreen, Overlay, Pixels, RenderError, auto_exposure, developed, draw_legend};
+use crate::read::picture::GatheredPicture;
+use crate::render::{Display, Frame, Offscreen, Overlay, Pixels, RenderError, annotate, developed};
 use crate::scene::Scene;
 use crate::solve::Snapshot;
 
@@ -189,9 +190,8 @@ fn gathered(target: &Target, picture: &Picture) -> Result<Option<GatheredPicture
 /// Draws what the window shows, both sides of a split view included.
 fn draw(picture: &Picture, gathered: Option<&GatheredPicture>) -> Result<RgbaImage, String> {
     let in_words = |error: RenderError| error.to_string();
-    let exposure = picture.display.exposure.factor(auto_exposure(&picture.snapshot));
-    let gathered =
-        gathered.and_then(|gathered| developed(gathered, exposure, picture.display.reading.as_ref())).map(Arc::new);
+    let Display { exposure, reading, .. } = picture.display;
+    let gathered = gathered.and_then(|gathered| developed(gathered, exposure, reading.as_ref())).map(Arc::new);
     let mut offscreen = Offscreen::new().map_err(in_words)?;
     let mut draw = |snapshot: &Snapshot, overlay: &Overlay, gathered: Option<&Arc<Pixels>>| {
         let Picture { camera, display, size, outside, .. } = picture;
@@ -200,9 +200,6 @@ fn draw(picture: &Picture, gathered: Option<&GatheredPicture>) -> Result<RgbaIma
         offscreen.picture_over(&frame).map_err(in_words)
     };
     let mut drawn = draw(&picture.snapshot, &picture.overlay, gathered.as_ref())?;
-    if let Some((pixels, reading)) = gathered.as_ref().zip(picture.display.reading) {
-        write_labels(&mut drawn, &pixels.labels, reading.shown_in).map_err(|error| error.to_string())?;
-    }
     if let Some(beside) = &picture.beside {
         let left = draw(&beside.snapshot, &beside.overlay(picture), None)?;
         let [width, height] = picture.size;
@@ -210,8 +207,9 @@ fn draw(picture: &Picture, gathered: Option<&GatheredPicture>) -> Result<RgbaIma
         let left = image::imageops::crop_imm(&left, 0, 0, covered, height).to_image();
         image::imageops::replace(&mut drawn, &left, 0, 0);
     }
-    if let Some(reading) = &picture.display.reading {
-        draw_legend(&mut drawn, reading).map_err(|error| error.to_string())?;
+    if let Some(reading) = &reading {
+        let labels = gathered.as_ref().map_or(&[][..], |pixels| &pixels.labels);
+        annotate(&mut drawn, reading, labels, true).map_err(|error| error.to_string())?;
     }
     Ok(drawn)
 }
@@ -242,9 +240,8 @@ pub fn write_mesh(target: &Target, form: MeshFormat, snapshot: &Snapshot, scene:
 /// Writes the links of a snapshot that carries its solution view.
 pub fn write_links(target: &Target, snapshot: &Arc<Snapshot>) -> Result<String, String> {
     let solution_view = snapshot.solution_view.as_ref().ok_or("the links are not there yet: try again")?;
-    let rows = links::rows(solution_view);
-    target.write(|writer| links::write(writer, &rows))?;
-    Ok(target.saved(&format::things(rows.len(), "link", "links")))
+    target.write(|writer| links::write(writer, solution_view))?;
+    Ok(target.saved(&format::things(solution_view.links().len(), "link", "links")))
 }
 
 /// Writes a text that is there already.
@@ -277,12 +274,7 @@ impl Target {
         if self.cancel.is_cancelled() {
             return Err(String::new());
         }
-        let write = || {
-            let mut writer = BufWriter::new(File::create(&self.path)?);
-            content(&mut writer)?;
-            writer.flush()
-        };
-        write().map_err(|error| {
+        file::write(&self.path, content).map_err(|error| {
             let path = self.path.display();
             format!("{path}: cannot be written ({error}); choose a folder that you may write to.")
         })?;

@@ -13,7 +13,7 @@ use crate::solve::Snapshot;
 use crate::transport::SolutionView;
 
 /// An element in numbers.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct Facts {
     /// Name of a patch; empty for others, which links alone can name.
     pub name: String,
@@ -52,7 +52,7 @@ impl Facts {
             by_links: gathered.map(|_| by_links),
             radiosity: gathered.map_or_else(|| solution_view.radiosity(id), |light| light.radiosity),
             emitted: solution_view.emitted(id),
-            ..Self::unlit()
+            ..Self::default()
         };
         match &element.shape {
             Shape::Patch(patch) => lit.with_polygon(scene, patch.polygon),
@@ -78,23 +78,9 @@ impl Facts {
     pub fn of_leaf(snapshot: &Snapshot, scene: &Arc<Scene>, id: ElementId) -> Option<Self> {
         let leaf = snapshot.mesh.leaves.iter().find(|leaf| leaf.element == id)?;
         let light = mean_light(snapshot, |leaf| leaf == id)?;
-        let lit = Self { area: light.area, irradiance: light.irradiance, radiosity: light.radiosity, ..Self::unlit() };
+        let lit =
+            Self { area: light.area, irradiance: light.irradiance, radiosity: light.radiosity, ..Self::default() };
         Some(lit.with_polygon(scene, leaf.polygon))
-    }
-
-    fn unlit() -> Self {
-        Self {
-            name: String::new(),
-            polygon: None,
-            area: 0.0,
-            level: None,
-            polygons: 0,
-            reflectance: Vec3::ZERO,
-            irradiance: Vec3::ZERO,
-            by_links: None,
-            radiosity: Vec3::ZERO,
-            emitted: Vec3::ZERO,
-        }
     }
 
     fn with_polygon(self, scene: &Arc<Scene>, polygon: u32) -> Self {

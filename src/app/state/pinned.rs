@@ -6,7 +6,7 @@ use std::task::Poll;
 
 use crate::app::Wake;
 use crate::app::state::comparison::Shading;
-use crate::app::view::paint::Beside;
+use crate::app::view::paint::{Beside, fresh_serial};
 use crate::base::threads::Background;
 use crate::measure::accuracy::{Contrast, contrast};
 use crate::solve::{Snapshot, SolverParams};
@@ -128,8 +128,7 @@ impl Difference {
         let colour = |&value: &f32| Shading::Difference.colour(value).map(|channel| f32::from(channel) / 255.0);
         let painted = Snapshot {
             vertex_radiosity: found.at_vertices.iter().map(colour).collect(),
-            // Told apart from the lit picture and from colours of errors.
-            serial: u64::MAX / 2 - of.serial,
+            serial: fresh_serial(),
             ..(*of).clone()
         };
         Self { rms: found.rms, painted: Arc::new(painted), of }

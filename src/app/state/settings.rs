@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::render::{Display, Exposure, LinkFilter, LinkStyle, Marks, Overlay, ReadingSettings};
+use crate::render::{Exposure, LinkFilter, LinkStyle, Marks, Overlay, ReadingSettings};
 
 /// How the picture is shown.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -79,13 +79,13 @@ impl Default for DisplaySettings {
 }
 
 impl DisplaySettings {
-    /// As the renderer wants it.
-    pub fn display(&self) -> Display {
+    /// The factor on radiosities, m²/W, of a view for which the meter says `metered`.
+    pub fn exposure(&self, metered: f32) -> f32 {
         let exposure = match self.auto_exposure {
             true => Exposure::Auto { stops: self.auto_stops },
             false => Exposure::Manual { stops: self.manual_stops },
         };
-        Display { exposure, ..Display::default() }
+        exposure.factor(metered)
     }
 
     /// As the renderer wants it; cluster levels beyond the deepest show the deepest. What is shown

@@ -6,13 +6,11 @@ use std::sync::Arc;
 use glam::Vec3;
 
 use crate::app::view::highlight::Highlight;
+use crate::app::view::paint::fresh_serial;
 use crate::hierarchy::ElementId;
 use crate::render::{ApartMesh, ClusterParts, ClusterView, Line, Marks};
 use crate::solve::{Mesh, Snapshot};
 use crate::transport::SolutionView;
-
-/// Serials of what is painted here start with this; no solve comes near it.
-const FIRST_SERIAL: u64 = 1 << 62;
 
 /// Settings of the view of clusters, and the snapshot made by them.
 #[derive(Default)]
@@ -23,7 +21,6 @@ pub struct ClusterScene {
     pub explode: f32,
     cut: Option<Cut>,
     painted: Option<Painted>,
-    serials: u64,
 }
 
 /// A hierarchy cut at a level, and the mesh cut alike.
@@ -77,10 +74,8 @@ impl ClusterScene {
                 Cut { generation: snapshot.generation, level, parts, of_mesh: snapshot.mesh.clone(), apart }
             }
         };
-        self.serials += 1;
         let mut painted = cut.apart.snapshot(snapshot, &cut.parts, view);
-        // Told apart from the plain picture and from whatever was painted before.
-        painted.serial = FIRST_SERIAL + self.serials;
+        painted.serial = fresh_serial();
         self.cut = Some(cut);
         let painted = Painted { of: snapshot.clone(), view, snapshot: Arc::new(painted) };
         Some(self.painted.insert(painted).snapshot.clone())

@@ -116,7 +116,7 @@ impl Gathering {
         let error = snapshot.stats.error_asked.unwrap_or(USUAL_ERROR) as f32;
         let has_lines = display.reading.is_some_and(|reading| !reading.isolines.values().is_empty());
         let sitting = Sitting { field, camera: *camera, size, error, has_lines };
-        let look = Look { exposure: display.exposure.factor(1.0), reading: display.reading };
+        let look = Look { exposure: display.exposure, reading: display.reading };
         let is_same = self.last.as_ref().is_some_and(|(last, _)| *last == sitting);
         let looks_same = self.last.as_ref().is_some_and(|(_, last)| *last == look);
         if !is_same {

@@ -2,19 +2,15 @@
 
 use std::sync::Arc;
 
+use crate::app::view::paint::fresh_serial;
 use crate::render::in_own_colours;
 use crate::solve::Snapshot;
 use crate::worker::SceneInfo;
-
-/// Serials of what is painted here start with this; neither a solve nor the view of clusters comes
-/// near it.
-const FIRST_SERIAL: u64 = 1 << 61;
 
 /// The snapshot that was painted last.
 #[derive(Default)]
 pub struct OwnColours {
     painted: Option<Painted>,
-    serials: u64,
 }
 
 struct Painted {
@@ -34,9 +30,7 @@ impl OwnColours {
         if let Some(painted) = self.painted.as_ref().filter(is_of_this) {
             return Some(painted.snapshot.clone());
         }
-        self.serials += 1;
-        let serial = FIRST_SERIAL + self.serials;
-        let coloured = Arc::new(Snapshot { serial, ..in_own_colours(snapshot, &info.scene) });
+        let coloured = Arc::new(Snapshot { serial: fresh_serial(), ..in_own_colours(snapshot, &info.scene) });
         self.painted = Some(Painted { of: (info.clone(), snapshot.clone()), snapshot: coloured.clone() });
         Some(coloured)
     }

@@ -5,6 +5,7 @@
 //! panels around it.
 
 use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::mpsc::Sender;
 
 use egui_wgpu::{CallbackResources, CallbackTrait, RenderState, ScreenDescriptor};
@@ -31,6 +32,13 @@ pub struct Picture {
     pub noise: Option<f32>,
     /// Another solution at the left.
     pub beside: Option<Beside>,
+}
+
+/// A serial for a snapshot that is painted otherwise than a solver made it, which no other has:
+/// solves count from 0 and come nowhere near.
+pub fn fresh_serial() -> u64 {
+    static NEXT: AtomicU64 = AtomicU64::new(1 << 62);
+    NEXT.fetch_add(1, Ordering::Relaxed)
 }
 
 /// A solution that covers the left of a picture.

@@ -5,7 +5,7 @@ use clap::builder::PossibleValue;
 use clap::parser::ValueSource;
 use clap::{Arg, ArgMatches};
 use selflink::base::memory::MemoryBudget;
-use selflink::solve::{Epsilon, PARAMETERS, Parameter, ParameterId, SolverParams, USUAL_ERROR, ValueKind};
+use selflink::solve::{PARAMETERS, Parameter, ParameterId, SolverParams, USUAL_ERROR, ValueKind};
 
 use super::{has, number, whole};
 
@@ -63,30 +63,19 @@ fn solver_arg(parameter: &'static Parameter) -> Arg {
 /// A parameter's default as a person would write it.
 fn default_text(parameter: &Parameter) -> String {
     let params = SolverParams::default();
-    let (relative, watts) = match params.epsilon {
-        Epsilon::Relative(share) => (format!("{share:e}"), "as --epsilon says".to_owned()),
-        Epsilon::Watts(watts) => ("as --epsilon-watts says".to_owned(), format!("{watts:e}")),
-    };
+    let scientific = |value: f64| format!("{value:e}");
     match parameter.id {
         ParameterId::Error => format!("{USUAL_ERROR}, unless --epsilon or --reconstruct is given"),
-        ParameterId::Epsilon => relative,
-        ParameterId::EpsilonWatts => watts,
-        ParameterId::PartialFactor => params.partial_factor.to_string(),
-        ParameterId::VisibilityFactor => params.visibility_factor.to_string(),
-        ParameterId::RaysMin => params.rays_min.to_string(),
-        ParameterId::RaysMax => params.rays_max.to_string(),
-        ParameterId::OctreeDepth => params.octree_depth.to_string(),
-        id @ (ParameterId::Reconstruct
-        | ParameterId::Clustering
-        | ParameterId::ClusterModel
-        | ParameterId::Push
-        | ParameterId::Sides) => {
-            let chosen = params.choice(id).and_then(|name| parameter.shown(&name));
-            chosen.unwrap_or("as the scene says").to_owned()
-        }
+        id @ ParameterId::Epsilon => params.real(id).map_or("as --epsilon-watts says".to_owned(), scientific),
+        id @ ParameterId::EpsilonWatts => params.real(id).map_or("as --epsilon says".to_owned(), scientific),
         ParameterId::Threads => format!("{}, every core", params.threads),
-        ParameterId::Seed => params.seed.to_string(),
         ParameterId::Memory => params.memory.to_string(),
+        id => {
+            let number = || params.real(id).map(|value| value.to_string());
+            let whole = || params.whole(id).map(|value| value.to_string());
+            let chosen = || params.choice(id).and_then(|name| parameter.shown(&name)).map(str::to_owned);
+            number().or_else(whole).or_else(chosen).unwrap_or("as the scene says".to_owned())
+        }
     }
 }
 
@@ -130,27 +119,22 @@ fn set(params: &mut SolverParams, parameter: &Parameter, matches: &ArgMatches) {
     if !has(matches, flag) {
         return;
     }
-    let real = || matches.get_one::<f64>(flag).copied();
-    let whole = || matches.get_one::<u32>(flag).copied();
-    match parameter.id {
-        ParameterId::Error => params.error = real().or(params.error),
-        ParameterId::Epsilon => params.epsilon = real().map_or(params.epsilon, Epsilon::Relative),
-        ParameterId::EpsilonWatts => params.epsilon = real().map_or(params.epsilon, Epsilon::Watts),
-        ParameterId::PartialFactor => params.partial_factor = real().unwrap_or(params.partial_factor),
-        ParameterId::VisibilityFactor => params.visibility_factor = real().unwrap_or(params.visibility_factor),
-        ParameterId::RaysMin => params.rays_min = whole().unwrap_or(params.rays_min),
-        ParameterId::RaysMax => params.rays_max = whole().unwrap_or(params.rays_max),
-        ParameterId::OctreeDepth => params.octree_depth = whole().unwrap_or(params.octree_depth),
-        ParameterId::Reconstruct
-        | ParameterId::Clustering
-        | ParameterId::ClusterModel
-        | ParameterId::Push
-        | ParameterId::Sides => {
-            params.choose(parameter.id, matches.get_one::<String>(flag).and_then(|name| parameter.in_files(name)));
+    match (&parameter.kind, parameter.id) {
+        (_, ParameterId::Memory) => params.memory = matches.get_one(flag).copied().unwrap_or(params.memory),
+        (_, ParameterId::Seed) => params.seed = matches.get_one::<u64>(flag).copied().unwrap_or(params.seed),
+        (ValueKind::Real { .. }, id) => {
+            if let Some(value) = matches.get_one::<f64>(flag) {
+                params.set_real(id, *value);
+            }
         }
-        ParameterId::Threads => params.threads = whole().unwrap_or(params.threads),
-        ParameterId::Seed => params.seed = matches.get_one::<u64>(flag).copied().unwrap_or(params.seed),
-        ParameterId::Memory => params.memory = matches.get_one(flag).copied().unwrap_or(params.memory),
+        (ValueKind::Whole { .. }, id) => {
+            if let Some(value) = matches.get_one::<u32>(flag) {
+                params.set_whole(id, (*value).into());
+            }
+        }
+        (ValueKind::Choice { .. }, id) => {
+            params.choose(id, matches.get_one::<String>(flag).and_then(|name| parameter.in_files(name)));
+        }
     }
 }
 
@@ -158,7 +142,7 @@ fn set(params: &mut SolverParams, parameter: &Parameter, matches: &ArgMatches) {
 mod tests {
     use clap::Command;
     use selflink::scene::Sides;
-    use selflink::solve::{ClusteringMode, Reconstruct};
+    use selflink::solve::{ClusteringMode, Epsilon, Reconstruct};
     use selflink::transport::{ClusterModel, Push};
 
     use super::super::solving;

@@ -1,7 +1,7 @@
 //! A scene as other programs read it, so that anyone can check its light: Mitsuba 3 and Radiance.
 //!
 //! Geometry, reflectances, emissions, sky and sun, and the camera are written; faces are bright on
-//! one side, as they are here. Imports `scene` alone.
+//! one side, as they are here.
 
 mod mitsuba;
 mod outside;

@@ -3,8 +3,7 @@
 //!
 //! A [`Sweep`] is a list of named settings and thresholds; [`Sweep::run`] makes a [`Chart`] of it,
 //! which is written as CSV and JSON and drawn as pictures. The path tracer stands in the same chart
-//! with the same clock. A [`PictureSweep`] does the same for pictures. Imports `accuracy`,
-//! `picture`, `reference` and `solver`.
+//! with the same clock. A [`PictureSweep`] does the same for pictures.
 
 mod axis;
 mod draw;

@@ -1,10 +1,9 @@
 //! A chart as a table.
 
-use std::fmt::Write as _;
-
 use super::record::{Chart, PathTracerRecord, RunRecord};
+use crate::base::format::{count, percent_with, seconds};
 use crate::measure::accuracy::LocalError;
-use crate::measure::records::{self, Record, columns, optional};
+use crate::measure::records::{self, Record, Table, columns, optional};
 use crate::solve::{SolverParams, name_of};
 
 /// The chart as CSV: a row for each run, with every parameter, then one for each state of the path
@@ -79,40 +78,38 @@ pub fn target_table(chart: &Chart) -> String {
     if asked.is_empty() {
         return String::new();
     }
-    let mut text = format!(
-        "{LOCAL_ERROR}\n\n| target | certificate | p50 | p90 | p95 | RMS of B | time | links | vertices | path tracer | ratio |\n|{}\n",
-        " ---: |".repeat(11)
-    );
-    for run in asked {
+    let row = |run: &&RunRecord| {
         let (shown, local) = (&run.error.displayed, &run.error.local);
         // Its error falls with the root of its paths, which take time in proportion to the points.
         let tracer = chart
             .path_tracer
             .last()
             .map(|last| last.seconds * (last.local.p90 / local.p90).powi(2) * run.vertices as f64 / last.points as f64);
-        let _ = writeln!(
-            text,
-            "| {} | {} | {} | {} % | {} | {} % | {} | {} | {} | {} | {} |",
+        vec![
             percent(run.error_asked.unwrap_or_default()),
             run.error_estimate.map_or("–".into(), percent),
             percent(local.p50),
-            crate::base::format::plus_minus(100.0 * local.p90, 100.0 * local.p90_noise),
+            percent_with(local.p90, local.p90_noise),
             percent(local.p95),
-            crate::base::format::plus_minus(100.0 * shown.rms, 100.0 * shown.rms_noise),
-            crate::base::format::seconds(run.seconds.total),
-            crate::base::format::count(run.links),
-            crate::base::format::count(run.vertices),
-            tracer.map_or("–".into(), crate::base::format::seconds),
+            percent_with(shown.rms, shown.rms_noise),
+            seconds(run.seconds.total),
+            count(run.links),
+            count(run.vertices),
+            tracer.map_or("–".into(), seconds),
             tracer.map_or("–".into(), |tracer| format!("{:.1}", tracer / run.seconds.total)),
-        );
-    }
-    text
+        ]
+    };
+    let head =
+        ["target", "certificate", "p50", "p90", "p95", "RMS of B", "time", "links", "vertices", "path tracer", "ratio"];
+    let head = head.map(String::from).into();
+    Table { caption: LOCAL_ERROR.into(), head, rows: asked.iter().map(row).collect() }.markdown_with(0)
 }
 
 /// Caption of the tables: the metrics of their figures.
 const LOCAL_ERROR: &str = "p50, p90, p95: quantiles over the area of the local error |ΔE|/(E + E0), E0 a tenth of the median of E; ± one standard error.";
 
-fn percent(share: f64) -> String {
+/// A share in per cent, with a decimal.
+pub(super) fn percent(share: f64) -> String {
     format!("{:.1} %", 100.0 * share)
 }
 
@@ -125,28 +122,22 @@ pub fn error_table(chart: &Chart) -> String {
     epsilons.dedup_by(|a, b| (*a / *b - 1.0).abs() < 1e-6);
     let mut settings: Vec<&str> = by_threshold().map(|run| run.setting.as_str()).collect();
     settings.dedup();
-    let mut text = format!("{LOCAL_ERROR} Each cell: p90, RMS of B, time.\n\n| ε/Φ |");
-    // A String takes any text.
-    for epsilon in &epsilons {
-        let _ = write!(text, " {epsilon:.0e} |");
-    }
-    text += &format!("\n| --- |{}\n", " ---: |".repeat(epsilons.len()));
-    for setting in settings {
-        let _ = write!(text, "| {setting} |");
-        for epsilon in &epsilons {
-            let at = |run: &&RunRecord| run.setting == setting && (run.epsilon_relative / epsilon - 1.0).abs() < 1e-6;
-            match chart.runs.iter().find(at) {
-                Some(run) if run.converged => {
-                    let (local, rms) = (&run.error.local, run.error.displayed.rms);
-                    let error = crate::base::format::plus_minus(100.0 * local.p90, 100.0 * local.p90_noise);
-                    let time = crate::base::format::seconds(run.seconds.total);
-                    let _ = write!(text, " {error} %, {}, {time} |", percent(rms));
-                }
-                Some(_) => text += " not finished |",
-                None => text += " |",
+    let cell = |setting: &str, epsilon: f64| {
+        let at = |run: &&RunRecord| run.setting == setting && (run.epsilon_relative / epsilon - 1.0).abs() < 1e-6;
+        match chart.runs.iter().find(at) {
+            Some(run) if run.converged => {
+                let (local, rms) = (&run.error.local, run.error.displayed.rms);
+                let error = percent_with(local.p90, local.p90_noise);
+                format!("{error}, {}, {}", percent(rms), seconds(run.seconds.total))
             }
+            Some(_) => "not finished".to_owned(),
+            None => String::new(),
         }
-        text += "\n";
-    }
-    text
+    };
+    let row = |setting: &str| {
+        std::iter::once(setting.to_owned()).chain(epsilons.iter().map(|epsilon| cell(setting, *epsilon))).collect()
+    };
+    let head = std::iter::once("ε/Φ".to_owned()).chain(epsilons.iter().map(|epsilon| format!("{epsilon:.0e}")));
+    let caption = format!("{LOCAL_ERROR} Each cell: p90, RMS of B, time.");
+    Table { caption, head: head.collect(), rows: settings.into_iter().map(row).collect() }.markdown()
 }

@@ -7,10 +7,10 @@ use super::cache::Cache;
 use super::run::{Reference, ReferenceRun};
 use crate::base::cancel::CancelToken;
 
-/// The fewest passes after which an error is believed.
-const LEAST_PASSES: u32 = 8;
+/// The fewest passes after which an error is believed: fewer know no error of their own.
+pub const LEAST_PASSES: u32 = 8;
 /// The reference is put into the cache so often, so that little is lost with the process.
-const SAVE_EVERY: Duration = Duration::from_secs(5);
+pub const SAVE_EVERY: Duration = Duration::from_secs(5);
 
 /// When a reference is good enough.
 #[derive(Clone, Copy, Debug, PartialEq)]

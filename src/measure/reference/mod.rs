@@ -7,7 +7,7 @@
 //! random numbers and points on polygons. They are copies on purpose, so that what blinds the one
 //! does not blind the other. Its estimates are unbiased, of any number of
 //! bounces, and say how far they may be off. [`ReferenceRun`] makes them better pass by pass and
-//! keeps what it knows in a [`Cache`]. Imports `scene` alone.
+//! keeps what it knows in a [`Cache`].
 //!
 //! ```
 //! use selflink::base::cancel::CancelToken;
@@ -43,7 +43,8 @@ mod triangle;
 mod view;
 
 pub use cache::Cache;
-pub use compute::{Outcome, Target, compute};
+pub(super) use compute::SAVE_EVERY;
+pub use compute::{LEAST_PASSES, Outcome, Target, compute};
 pub use key::Key;
 pub use lamps::point_on_polygon;
 pub use path::Tracer;

@@ -164,7 +164,7 @@ fn shadow_leak() -> Result<Vec<Check>, SolverError> {
     Ok(checks)
 }
 
-/// Height of the lamp's middle, and where it is above the floor.
+/// Middle of the lamp, m.
 const LAMP: Vec3 = vec3(1.2, 2.0, 2.5);
 
 /// A floor of 4 m, a lamp of 20 cm and, where wanted, a leg of 5 × 5 × 70 cm on the floor, whose

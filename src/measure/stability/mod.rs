@@ -5,8 +5,7 @@
 //! rows as tests. A truth is a closed form, an invariant, a brute-force solution ([`matrix`]) or
 //! the path-traced reference. What a row asks for is never loosened: where the method cannot meet
 //! it, the row's check carries, beside what is allowed, what is known to be reached
-//! ([`Check::known_to`]), and `docs/limits.md` says why, how much and how a person notices. This
-//! module imports `scene`, `hierarchy`, `solver`, `reference` and `accuracy`.
+//! ([`Check::known_to`]), and `docs/limits.md` says why, how much and how a person notices.
 
 mod clusters;
 mod convergence;

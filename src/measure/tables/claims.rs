@@ -4,6 +4,7 @@
 use std::fmt;
 
 use super::Report;
+use crate::measure::records::Table;
 
 /// How a claim fares.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -55,7 +56,7 @@ pub struct Claim {
     /// Section, table or figure.
     pub place: &'static str,
     /// Statement of the paper.
-    pub says: String,
+    pub says: &'static str,
     /// Finding, with its numbers.
     pub found: String,
     /// When the verdict is *confirmed* or *better*.
@@ -66,28 +67,27 @@ pub struct Claim {
 
 impl Claim {
     /// A claim whose runs were left out.
-    pub fn unanswered(place: &'static str, says: &str, rule: &'static str, why: &str) -> Self {
+    pub fn unanswered(place: &'static str, says: &'static str, rule: &'static str, why: &str) -> Self {
         let found = format!("left out: {why}");
-        Self { place, says: says.to_owned(), found, rule, verdict: Verdict::NotSoHere }
+        Self { place, says, found, rule, verdict: Verdict::NotSoHere }
     }
 }
 
 /// The claims of some reports as a Markdown table.
 pub fn claims_markdown(reports: &[Report]) -> String {
     let row = |(report, claim): (&Report, &Claim)| {
-        format!(
-            "| {} | {} | {} | *{}* | {} | `selflink tables --only {}` |\n",
-            claim.place,
-            claim.says,
-            claim.found,
-            claim.verdict,
-            claim.rule,
-            report.part.name()
-        )
+        vec![
+            claim.place.to_owned(),
+            claim.says.to_owned(),
+            claim.found.clone(),
+            format!("*{}*", claim.verdict),
+            claim.rule.to_owned(),
+            format!("`selflink tables --only {}`", report.part.name()),
+        ]
     };
     let claims = reports.iter().flat_map(|report| report.claims.iter().map(move |claim| (report, claim)));
-    let rows: String = claims.map(row).collect();
-    format!("| where | the paper | here | verdict | rule | command |\n| --- | --- | --- | --- | --- | --- |\n{rows}")
+    let head = ["where", "the paper", "here", "verdict", "rule", "command"].map(String::from).into();
+    Table { caption: String::new(), head, rows: claims.map(row).collect() }.markdown_with(6)
 }
 
 #[cfg(test)]

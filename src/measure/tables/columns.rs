@@ -2,10 +2,9 @@
 
 use super::lab::{LeftOut, Run};
 use super::paper;
-use super::report::Table;
 use crate::base::format::{bytes, count, grouped, number, quantity};
 use crate::measure::chart::parameter_columns;
-use crate::measure::records::{Record, columns, optional};
+use crate::measure::records::{Record, Table, columns, optional};
 
 /// A column of a table of runs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -77,11 +76,6 @@ impl Column {
             Self::Pairs | Self::Rays | Self::Memory | Self::Rms | Self::Median => "–".into(),
         }
     }
-}
-
-/// A share in per cent.
-pub fn percent(share: f64) -> String {
-    if share.is_finite() { format!("{} %", number(100.0 * share)) } else { "–".into() }
 }
 
 /// A ratio: 102×.

@@ -46,6 +46,11 @@ impl Effort {
     /// Runs that are shorter are repeated, s.
     pub const SHORT: f64 = 10.0;
 
+    /// The rooms of Tables 1 and 2, each with its ε/Φ.
+    pub fn rooms(&self) -> [(BuiltinScene, f64); 2] {
+        [(self.seminar, self.seminar_epsilon), (self.office, self.office_epsilon)]
+    }
+
     /// The paper's rooms.
     pub fn full() -> Self {
         Self {

@@ -6,13 +6,12 @@ use image::{Rgb, RgbImage, RgbaImage, imageops};
 
 use super::Part;
 use super::claims::{Claim, Verdict};
-use super::columns::{Column, left_out_remarks, percent, records, table};
+use super::columns::{Column, left_out_remarks, records, table};
 use super::lab::{Lab, LeftOut, Run, with_epsilon};
 use super::report::Report;
+use crate::base::format::percent;
 use crate::base::photometry::weighted;
-use crate::render::{
-    BLUE_WHITE_RED, Camera, Display, Exposure, Offscreen, Overlay, RenderError, along_ramp, auto_exposure,
-};
+use crate::render::{BLUE_WHITE_RED, Camera, Display, Offscreen, Overlay, RenderError, along_ramp, auto_exposure};
 use crate::scene::{Scene, builtin::BuiltinScene};
 use crate::solve::{ClusteringMode, Snapshot, SolverParams};
 use crate::transport::Push;
@@ -160,8 +159,7 @@ pub fn draw(
 fn draw_pair(sides: &Sides, offscreen: &mut Offscreen, size: [u32; 2]) -> Result<[RgbaImage; 2], RenderError> {
     let [(_, left), (_, right)] = &sides.solutions;
     let camera = Camera::of_scene(&sides.scene, size[0] as f32 / size[1] as f32);
-    let exposure = Exposure::Manual { stops: auto_exposure(right).log2() };
-    let display = Display { exposure, ..Display::default() };
+    let display = Display { exposure: auto_exposure(right), ..Display::default() };
     let mut draw = |snapshot| offscreen.picture(snapshot, &camera, &display, &Overlay::default(), size);
     Ok([draw(left)?, draw(right)?])
 }
@@ -170,7 +168,7 @@ fn draw_pair(sides: &Sides, offscreen: &mut Offscreen, size: [u32; 2]) -> Result
 fn claim(pair: &Pair, mean: f32, signed: f32) -> Option<Claim> {
     (pair.name == "figure-2").then(|| Claim {
         place: "3.1, Figure 2",
-        says: "The solutions of HR and IC are visually very similar".into(),
+        says: "The solutions of HR and IC are visually very similar",
         found: format!(
             "the pictures differ by {} of white in the mean, IC less HR with its sign by {}",
             percent(f64::from(mean)),

@@ -115,7 +115,7 @@ impl Run {
         self.error.map_or("–".into(), |error| percent_with(error.displayed.rms, error.displayed.rms_noise))
     }
 
-    /// Standard error of the median.
+    /// The median of the displayed local error with its standard error: 12.4 ± 0.8 %.
     pub fn local_median_text(&self) -> String {
         let text =
             |error: SolutionError| percent_with(error.displayed.local_median, error.displayed.local_median_noise);

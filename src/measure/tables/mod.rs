@@ -27,7 +27,7 @@ pub use claims::{Claim, Verdict, claims_markdown};
 pub use effort::Effort;
 pub use fit::{PowerLaw, fit};
 pub use lab::{Lab, LeftOut, Room, Run, Truth};
-pub use report::{Report, Table};
+pub use report::Report;
 
 /// A part of the paper that can be run by itself.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]

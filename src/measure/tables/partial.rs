@@ -3,11 +3,12 @@
 
 use super::Part;
 use super::claims::{Claim, Verdict};
-use super::columns::{Column, left_out_remarks, percent, records, table, times};
+use super::columns::{Column, left_out_remarks, records, table, times};
 use super::lab::{Lab, LeftOut, Room, Run, with_epsilon};
-use super::report::{Report, Table};
+use super::report::Report;
 use super::table1;
-use crate::base::format::{count, number};
+use crate::base::format::{count, number, percent};
+use crate::measure::records::Table;
 use crate::scene::builtin::BuiltinScene;
 use crate::solve::{Epsilon, SolverParams};
 
@@ -32,9 +33,7 @@ pub fn run(lab: &mut Lab<'_>) -> Report {
             table1::timing(lab)
         ),
     );
-    for (builtin, epsilon) in
-        [(lab.effort.seminar, lab.effort.seminar_epsilon), (lab.effort.office, lab.effort.office_epsilon)]
-    {
+    for (builtin, epsilon) in lab.effort.rooms() {
         let mut room = lab.room(builtin);
         let of = |partial_factor| SolverParams { partial_factor, ..with_epsilon(epsilon) };
         let settings: Vec<_> =
@@ -87,7 +86,7 @@ fn good_choice(room: &Room, runs: &[Result<Run, LeftOut>], curve: &[Result<Run, 
     };
     let claim = Claim {
         place: "2.3",
-        says: SAYS.into(),
+        says: SAYS,
         found: format!(
             "{}: the best other, {setting}, has {} the median error of 1/10 with as many rays",
             room.name,
@@ -132,7 +131,7 @@ fn scale_invariance(lab: &mut Lab<'_>, report: &mut Report) {
             let [patches, in_watts, in_share] = [patches, in_watts, in_share].map(count);
             report.claims.push(Claim {
                 place: "2.3",
-                says: says.into(),
+                says,
                 found: format!(
                     "{patches} patches; at twice the size {in_watts} with the same watts, {in_share} with the same share of Φ"
                 ),
@@ -168,7 +167,7 @@ fn least_area(lab: &mut Lab<'_>, report: &mut Report) {
             let struck = run.stats.depth_guard_struck;
             report.claims.push(Claim {
                 place: "2.3",
-                says: says.into(),
+                says,
                 found: format!(
                     "{} at ε = {fine:e} Φ: {} patches, median error {}; the guard struck {} times",
                     room.name,

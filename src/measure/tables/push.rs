@@ -1,10 +1,12 @@
 //! Section 3.3: what pushing irradiance at once costs and what it gains.
 
 use super::claims::{Claim, Verdict};
-use super::columns::{Column, percent, records, table, times};
+use super::columns::{Column, records, table, times};
 use super::lab::{Lab, Run, with_epsilon};
-use super::report::{Report, Table};
+use super::report::Report;
 use super::{Part, paper};
+use crate::base::format::percent;
+use crate::measure::records::Table;
 use crate::solve::{ClusteringMode, SolverParams};
 use crate::transport::Push;
 
@@ -19,9 +21,7 @@ pub fn run(lab: &mut Lab<'_>) -> Report {
     let mut all = vec![vec![("source", "paper".to_owned()), ("cost", paper::PUSH_COST.to_string())]];
     let mut claims = Vec::new();
     let mut summary = vec![vec!["paper: office".into(), "about 5 %".into(), "–".into(), "–".into()]];
-    for (builtin, epsilon) in
-        [(lab.effort.seminar, lab.effort.seminar_epsilon), (lab.effort.office, lab.effort.office_epsilon)]
-    {
+    for (builtin, epsilon) in lab.effort.rooms() {
         let mut room = lab.room(builtin);
         for (clustering, name) in [(ClusteringMode::Adaptive, "adaptive"), (ClusteringMode::Groups, "groups")] {
             let of = |push| SolverParams { clustering, push, ..with_epsilon(epsilon) };
@@ -42,14 +42,14 @@ pub fn run(lab: &mut Lab<'_>) -> Report {
             summary.push(vec![label.clone(), percent(cost), times(gain.0), times(gain.1)]);
             claims.push(Claim {
                 place: "3.3",
-                says: "Immediate push costs about 5 % of the time".into(),
+                says: "Immediate push costs about 5 % of the time",
                 found: format!("{label}: {}", percent(cost)),
                 rule: RULE,
                 verdict: Verdict::at_most(cost, 0.075, 0.025),
             });
             claims.push(Claim {
                 place: "3.3, Figures 6 and 7",
-                says: "Immediate push improves the quality significantly".into(),
+                says: "Immediate push improves the quality significantly",
                 found: format!(
                     "{label}: deferred has {} the RMS error and {} the median",
                     times(gain.0),

@@ -7,11 +7,11 @@ use rayon::prelude::*;
 
 use super::Part;
 use super::claims::{Claim, Verdict};
-use super::columns::{Column, left_out_remarks, percent, records, table};
+use super::columns::{Column, left_out_remarks, records, table};
 use super::lab::{Lab, LeftOut, Room, Run, median, with_epsilon};
 use super::report::Report;
 use super::table1;
-use crate::base::format::number;
+use crate::base::format::{number, percent};
 use crate::measure::reference::random_points_on;
 use crate::solve::{ClusteringMode, SolverParams};
 
@@ -49,9 +49,7 @@ pub fn run(lab: &mut Lab<'_>) -> Report {
             table1::timing(lab)
         ),
     );
-    for (builtin, epsilon) in
-        [(lab.effort.seminar, lab.effort.seminar_epsilon), (lab.effort.office, lab.effort.office_epsilon)]
-    {
+    for (builtin, epsilon) in lab.effort.rooms() {
         let mut room = lab.room(builtin);
         let setting = |&(visibility_factor, rays_min, rays_max): &(f64, u32, u32)| {
             let name = format!("f_vis {visibility_factor}, {rays_min} to {rays_max} rays");
@@ -96,7 +94,7 @@ fn lower_bound(room: &Room, runs: &[Result<Run, LeftOut>]) -> Vec<Claim> {
     vec![
         Claim {
             place: "2.4",
-            says: says.into(),
+            says,
             found: format!(
                 "{}: a bound of 1 saves {} of the time and {} of the rays",
                 room.name,
@@ -108,7 +106,7 @@ fn lower_bound(room: &Room, runs: &[Result<Run, LeftOut>]) -> Vec<Claim> {
         },
         Claim {
             place: "2.4",
-            says: "The majority of visibility tests is made for low energy interactions".into(),
+            says: "The majority of visibility tests is made for low energy interactions",
             found: format!(
                 "{}: {} of the links that cast rays need no more than the lower bound",
                 room.name,
@@ -130,7 +128,7 @@ fn share_of_visibility(room: &Room, runs: &[Result<Run, LeftOut>], hr: &Result<R
             let share = cost * run.stats.rays as f64 / (run.time() * run.threads as f64);
             Claim {
                 place: "4",
-                says: says.into(),
+                says,
                 found: format!("{}, {name}: {} ({} ns a ray)", room.name, percent(share), number(1e9 * cost)),
                 rule,
                 verdict: Verdict::so(share > 0.5),

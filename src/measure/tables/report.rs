@@ -5,44 +5,7 @@ use std::fmt::Write as _;
 
 use super::Part;
 use super::claims::Claim;
-use crate::measure::records::{self, Record};
-
-/// A table as people read it.
-#[derive(Clone, Debug, Default)]
-pub struct Table {
-    /// A line above it.
-    pub caption: String,
-    /// Names of the columns; the first one names the row.
-    pub head: Vec<String>,
-    /// Cells, row by row.
-    pub rows: Vec<Vec<String>>,
-}
-
-impl Table {
-    /// As Markdown, numbers to the right.
-    pub fn markdown(&self) -> String {
-        let line = |cells: &[String]| format!("| {} |\n", cells.join(" | "));
-        let rule: Vec<String> =
-            (0..self.head.len()).map(|column| if column == 0 { "---" } else { "---:" }.to_owned()).collect();
-        let rows: String = self.rows.iter().map(|row| line(row)).collect();
-        format!("{}\n\n{}{}{rows}", self.caption, line(&self.head), line(&rule))
-    }
-
-    /// As text for a terminal.
-    pub fn text(&self) -> String {
-        let lines = || std::iter::once(&self.head).chain(&self.rows);
-        let width = |column: usize| lines().filter_map(|row| row.get(column)).map(|cell| cell.chars().count()).max();
-        let widths: Vec<usize> = (0..self.head.len()).map(|column| width(column).unwrap_or(0)).collect();
-        let line = |row: &Vec<String>| {
-            let cell = |(column, (cell, width)): (usize, (&String, &usize))| match column {
-                0 => format!("{cell:<width$}"),
-                _ => format!("{cell:>width$}"),
-            };
-            row.iter().zip(&widths).enumerate().map(cell).collect::<Vec<_>>().join("  ").trim_end().to_owned() + "\n"
-        };
-        format!("{}\n{}", self.caption, lines().map(line).collect::<String>())
-    }
-}
+use crate::measure::records::{self, Record, Table};
 
 /// One part of the paper, run.
 #[derive(Clone, Debug)]
@@ -107,22 +70,5 @@ impl Report {
     /// The records as CSV.
     pub fn csv(&self) -> String {
         records::csv(&self.records)
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// Written out by hand.
-    #[test]
-    fn tables_are_written() {
-        let table = Table {
-            caption: "Some".into(),
-            head: ["who", "n"].map(String::from).to_vec(),
-            rows: vec![["paper".to_owned(), "1,000".to_owned()].to_vec(), ["we".to_owned(), "9".to_owned()].to_vec()],
-        };
-        assert_eq!(table.markdown(), "Some\n\n| who | n |\n| --- | ---: |\n| paper | 1,000 |\n| we | 9 |\n");
-        assert_eq!(table.text(), "Some\nwho        n\npaper  1,000\nwe         9\n");
     }
 }

@@ -7,9 +7,10 @@ use super::columns::{Column, left_out_remarks, records, table};
 use super::fit::PowerLaw;
 use super::growth::Growth;
 use super::lab::{Lab, LeftOut, Room, Run, with_epsilon};
-use super::report::{Report, Table};
+use super::report::Report;
 use super::{scale_text, table1};
 use crate::base::format::{count, number};
+use crate::measure::records::Table;
 use crate::scene::builtin::BuiltinScene;
 use crate::solve::{ClusteringMode, SolverParams};
 
@@ -104,7 +105,7 @@ fn claims_of(growths: &[Growth]) -> Vec<Claim> {
         claims.push(if growth.name.starts_with("HR") {
             Claim {
                 place: "1.1",
-                says: "HR grows as O(k² + n): with many small polygons as k²".into(),
+                says: "HR grows as O(k² + n): with many small polygons as k²",
                 found: numbers,
                 rule: "exponent of the pairs judged between 1.8 and 2.2",
                 verdict: Verdict::so((1.8..=2.2).contains(&pairs)),
@@ -112,7 +113,7 @@ fn claims_of(growths: &[Growth]) -> Vec<Claim> {
         } else {
             Claim {
                 place: "1.2",
-                says: "There is hope that IC grows as O(n)".into(),
+                says: "There is hope that IC grows as O(n)",
                 found: match beyond {
                     Some((polygons, exponent)) => format!(
                         "{numbers}; but {} polygons take too long, time there grows with at least {}",

@@ -1,13 +1,12 @@
 //! Beyond what can be measured: what the fitted laws say of 10⁷ to 10⁹ polygons, and where today's
 //! design stops.
 
-use super::columns::percent;
 use super::fit::PowerLaw;
 use super::growth::Growth;
 use super::lab::Run;
-use super::report::Table;
-use crate::base::format::{bytes, count, number, quantity};
+use crate::base::format::{bytes, count, number, percent, quantity};
 use crate::hierarchy::Element;
+use crate::measure::records::Table;
 use crate::scene::Polygon;
 use crate::transport::Link;
 

@@ -2,12 +2,13 @@
 //! room, equal ε.
 
 use super::claims::{Claim, Verdict};
-use super::columns::{Column, left_out_remarks, percent, records, table, times};
+use super::columns::{Column, left_out_remarks, records, table, times};
 use super::effort::Effort;
 use super::lab::{Lab, LeftOut, Room, Run, with_epsilon};
-use super::report::{Report, Table};
+use super::report::Report;
 use super::{Part, paper};
-use crate::base::format::{count, number, quantity};
+use crate::base::format::{count, number, percent, quantity};
+use crate::measure::records::Table;
 use crate::solve::{ClusteringMode, SolverParams};
 use crate::transport::ClusterModel;
 
@@ -157,7 +158,7 @@ fn claims_of(hr: &Run, ic: &Run, initial: &Run, as_accurate: Option<&Run>) -> Ve
     let mut claims = vec![
         Claim {
             place: "3.1",
-            says: "HR has to consider all pairs of initial patches, k²: more than 4 million".into(),
+            says: "HR has to consider all pairs of initial patches, k²: more than 4 million",
             found: format!(
                 "{} pairs judged, {} k²",
                 count(hr.stats.pairs_judged),
@@ -168,7 +169,7 @@ fn claims_of(hr: &Run, ic: &Run, initial: &Run, as_accurate: Option<&Run>) -> Ve
         },
         Claim {
             place: "3.1",
-            says: "Beside initial linking, the links that HR's refinement makes can be neglected".into(),
+            says: "Beside initial linking, the links that HR's refinement makes can be neglected",
             found: format!(
                 "{} links of initial linking, refinement adds {}",
                 count(initial.stats.links),
@@ -179,21 +180,21 @@ fn claims_of(hr: &Run, ic: &Run, initial: &Run, as_accurate: Option<&Run>) -> Ve
         },
         Claim {
             place: "3.1, Table 1",
-            says: "IC keeps 102× fewer links than HR has pairs".into(),
+            says: "IC keeps 102× fewer links than HR has pairs",
             found: format!("{}; of links that HR keeps, {}", times(by_pairs), times(by_links)),
             rule: "confirmed from half the paper's ratio, better from the whole",
             verdict: Verdict::at_least(by_pairs, paper::link_ratio() / 2.0, paper::link_ratio()),
         },
         Claim {
             place: "3.1, Table 1",
-            says: "HR takes 79× IC's time".into(),
+            says: "HR takes 79× IC's time",
             found: format!("{}: {} and {}", times(by_time), quantity(hr.time(), "s"), quantity(ic.time(), "s")),
             rule: "confirmed from half the paper's ratio, better from the whole",
             verdict: Verdict::at_least(by_time, paper::time_ratio() / 2.0, paper::time_ratio()),
         },
         Claim {
             place: "3.1",
-            says: "At equal ε, IC's error is probably larger than HR's".into(),
+            says: "At equal ε, IC's error is probably larger than HR's",
             found: format!("{} of HR's: {} and {}", times(error), ic.rms_text(), hr.rms_text()),
             rule: "confirmed where it is larger, better where it is not",
             verdict: Verdict::at_least(-error, f64::NEG_INFINITY, -1.0),
@@ -206,7 +207,7 @@ fn claims_of(hr: &Run, ic: &Run, initial: &Run, as_accurate: Option<&Run>) -> Ve
             let ratio = hr.time() / run.time();
             Claim {
                 place: "4",
-                says: says.into(),
+                says,
                 found: format!(
                     "{}: HR {} (median {}) in {}, IC {} ({}) in {}",
                     times(ratio),

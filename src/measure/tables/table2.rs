@@ -4,9 +4,10 @@
 use super::claims::{Claim, Verdict};
 use super::columns::{Column, left_out_remarks, records, table, times};
 use super::lab::{Lab, LeftOut, Room, Run, with_epsilon};
-use super::report::{Report, Table};
+use super::report::Report;
 use super::{Part, paper, table1};
 use crate::base::format::{bytes, count, number, quantity};
+use crate::measure::records::Table;
 use crate::solve::{ClusteringMode, SolverParams};
 
 const COLUMNS: [Column; 10] = [
@@ -109,7 +110,7 @@ fn claims_of(runs: &[Result<Run, LeftOut>]) -> Vec<Claim> {
             (most(&deep, time) / least(&deep, time), most(&deep, links) / least(&deep, links));
         claims.push(Claim {
             place: "3.2, Table 2",
-            says: "Octrees of depth 4 to 6 are about equal: times within 1.07×, links within 1.002×".into(),
+            says: "Octrees of depth 4 to 6 are about equal: times within 1.07×, links within 1.002×",
             found: format!("times within {}, links within {}", times(time_spread), times(link_spread)),
             rule: "times and links within 1.5×",
             verdict: Verdict::so(time_spread <= 1.5 && link_spread <= 1.5),
@@ -119,7 +120,7 @@ fn claims_of(runs: &[Result<Run, LeftOut>]) -> Vec<Claim> {
         let ratios = (three.time() / four.time(), links(three) / links(four));
         claims.push(Claim {
             place: "3.2, Table 2",
-            says: "Depth 3 takes 1.3× the time of depth 4 and 1.8× its links".into(),
+            says: "Depth 3 takes 1.3× the time of depth 4 and 1.8× its links",
             found: format!("{} the time, {} the links", times(ratios.0), times(ratios.1)),
             rule: "both above 1.1",
             verdict: Verdict::so(ratios.0 > 1.1 && ratios.1 > 1.1),
@@ -128,7 +129,7 @@ fn claims_of(runs: &[Result<Run, LeftOut>]) -> Vec<Claim> {
     let two = find(runs, "octree 2");
     claims.push(Claim {
         place: "3.2",
-        says: "Octree depth 2 cannot be computed: the machine swaps".into(),
+        says: "Octree depth 2 cannot be computed: the machine swaps",
         found: two.map_or("it does not end here either".into(), |run| {
             format!("ends after {} with {}", quantity(run.time(), "s"), bytes(run.bytes()))
         }),
@@ -139,14 +140,14 @@ fn claims_of(runs: &[Result<Run, LeftOut>]) -> Vec<Claim> {
         let (by_time, by_links) = (least(&all, time) / user.time(), least(&all, links) / links(user));
         claims.push(Claim {
             place: "3.2, Table 2",
-            says: "USER is 1.6× as fast as the best octree".into(),
+            says: "USER is 1.6× as fast as the best octree",
             found: times(by_time),
             rule: "confirmed from 1.2, better from the paper's 1.59",
             verdict: Verdict::at_least(by_time, 1.2, paper::user_time_ratio()),
         });
         claims.push(Claim {
             place: "3.2, Table 2",
-            says: "USER has 3.6× fewer links than the best octree".into(),
+            says: "USER has 3.6× fewer links than the best octree",
             found: times(by_links),
             rule: "confirmed from 1.8, better from the paper's 3.56",
             verdict: Verdict::at_least(by_links, 1.8, paper::user_link_ratio()),
@@ -155,7 +156,7 @@ fn claims_of(runs: &[Result<Run, LeftOut>]) -> Vec<Claim> {
         let medians = (five.map_or(f64::NAN, Run::local_median), user.local_median());
         claims.push(Claim {
             place: "3.2, Figures 5 and 6",
-            says: "Octree solutions show artefacts that the scene's own clusters do not".into(),
+            says: "Octree solutions show artefacts that the scene's own clusters do not",
             found: format!(
                 "median error: octree 5 {}, groups {}",
                 five.map_or("–".into(), Run::local_median_text),
@@ -168,7 +169,7 @@ fn claims_of(runs: &[Result<Run, LeftOut>]) -> Vec<Claim> {
             let (by_time, by_links) = (user.time() / adaptive.time(), links(user) / links(adaptive));
             claims.push(Claim {
                 place: "3.2",
-                says: "Adaptive and fast clustering strategies are worth finding: USER is the best there is".into(),
+                says: "Adaptive and fast clustering strategies are worth finding: USER is the best there is",
                 found: format!(
                     "adaptive has {} fewer links than groups and {} its speed, with {} of its median error",
                     times(by_links),
@@ -188,7 +189,7 @@ fn memory_claims(runs: &[Result<Run, LeftOut>]) -> Vec<Claim> {
     let hr = find(runs, "HR (none)");
     let mut claims = vec![Claim {
         place: "3.1",
-        says: "HR of the office needs 256 MByte for its links: out of memory".into(),
+        says: "HR of the office needs 256 MByte for its links: out of memory",
         found: hr.map_or("it does not end within its time".into(), |run| {
             format!(
                 "{} for {} links, {}",
@@ -207,7 +208,7 @@ fn memory_claims(runs: &[Result<Run, LeftOut>]) -> Vec<Claim> {
         let (links, trees) = (run.stats.bytes.links, run.stats.bytes.elements);
         claims.push(Claim {
             place: "3.1",
-            says: "IC needs less than one MByte for its links and about as much for the trees".into(),
+            says: "IC needs less than one MByte for its links and about as much for the trees",
             found: format!(
                 "links {}, {} each; trees and radiosities {}",
                 bytes(links),
@@ -278,7 +279,7 @@ impl Soon {
         let ratio = self.fine.time() / self.coarse.time();
         Claim {
             place: "3.1, Figures 3 and 4",
-            says: SOON.into(),
+            says: SOON,
             found: format!(
                 "first picture after {}, coarse {}, fine {}: {}",
                 quantity(self.first, "s"),

@@ -74,8 +74,6 @@ pub struct Raster {
     pub size: usize,
     /// Gamma-encoded colours, row by row.
     pub pixels: Vec<[u8; 3]>,
-    /// Share of each pixel that links cover, 0..=1.
-    pub covered: Vec<f32>,
 }
 
 /// Draws a part of the matrix; `None` where it was cancelled.
@@ -85,6 +83,11 @@ pub fn raster(
     request: &Request,
     cancel: &CancelToken,
 ) -> Option<Raster> {
+    Some(canvas(solution_view, palette, request, cancel)?.resolve(palette))
+}
+
+/// Paints the links of a part of the matrix.
+fn canvas(solution_view: &SolutionView, palette: &Palette, request: &Request, cancel: &CancelToken) -> Option<Canvas> {
     let order = solution_view.order(request.room);
     let View { left, top, size } = request.view;
     let scale = request.pixels as f64 / size;
@@ -107,7 +110,7 @@ pub fn raster(
             canvas.add(inside(rows), inside(columns), palette.tone(solution_view, &link));
         }
     }
-    Some(canvas.resolve(palette))
+    Some(canvas)
 }
 
 /// The gap inside of a block's border, pixels.
@@ -148,22 +151,19 @@ impl Canvas {
 
     fn resolve(self, palette: &Palette) -> Raster {
         let empty = EMPTY.map(light);
-        let mut covered = Vec::with_capacity(self.sums.len());
         let pixels = self.sums.into_iter().map(|[r, g, b, share]| {
-            // While a wave goes on, rows of siblings that wait stand for more than is left of them.
-            covered.push(share.min(1.0));
             if share <= 0.0 {
                 return EMPTY;
             }
             let colour = palette.resolve([r, g, b].map(|sum| sum / share)).map(light);
+            // While a wave goes on, rows of siblings that wait stand for more than is left of them.
             let share = share.min(1.0);
             std::array::from_fn(|channel| {
                 let mixed = empty[channel] + share * (colour[channel] - empty[channel]);
                 (255.0 * mixed.sqrt()).round() as u8
             })
         });
-        let pixels = pixels.collect();
-        Raster { size: self.size, pixels, covered }
+        Raster { size: self.size, pixels: pixels.collect() }
     }
 }
 
@@ -251,6 +251,13 @@ mod tests {
         raster(solution_view, &palette, request, &CancelToken::new()).expect("nobody cancelled it")
     }
 
+    /// The share of each pixel that links cover.
+    fn covered(solution_view: &SolutionView, colouring: Colouring, request: &Request) -> Vec<f32> {
+        let palette = Palette::new(solution_view, colouring);
+        let canvas = canvas(solution_view, &palette, request, &CancelToken::new()).expect("nobody cancelled it");
+        canvas.sums.iter().map(|sum| sum[3].min(1.0)).collect()
+    }
+
     /// Truth: two blocks by hand, one of whole pixels and one that covers a quarter of its pixel.
     #[test]
     fn blocks_cover_their_pixels() {
@@ -275,8 +282,9 @@ mod tests {
         let solution_view = solution_view(&mut solver());
         assert_eq!(facts(&solution_view, Room::Area), Facts { links: 1, covered: 1.0 });
         for colouring in Colouring::ALL {
-            let raster = drawn(&solution_view, colouring, &Request { has_gaps: true, ..request(Room::Area, 50) });
-            assert!(raster.covered.iter().all(|&covered| covered == 1.0));
+            let request = Request { has_gaps: true, ..request(Room::Area, 50) };
+            assert!(covered(&solution_view, colouring, &request).iter().all(|&covered| covered == 1.0));
+            let raster = drawn(&solution_view, colouring, &request);
             assert!(raster.pixels.iter().all(|&pixel| pixel == raster.pixels[0] && pixel != EMPTY), "{colouring:?}");
         }
     }
@@ -308,8 +316,8 @@ mod tests {
             let faces = solution_view.hierarchy().initial_patches();
             let expected = 1.0 - faces.iter().map(|&face| width(face) * width(face)).sum::<f64>();
             assert!((facts(&solution_view, room).covered - expected).abs() < 1e-6, "{room:?}");
-            let raster = drawn(&solution_view, Colouring::Power, &request(room, 96));
-            let mean = raster.covered.iter().map(|&covered| f64::from(covered)).sum::<f64>() / (96.0 * 96.0);
+            let covered = covered(&solution_view, Colouring::Power, &request(room, 96));
+            let mean = covered.iter().map(|&covered| f64::from(covered)).sum::<f64>() / (96.0 * 96.0);
             assert!((mean - expected).abs() < 1e-4, "{room:?}: {mean} instead of {expected}");
         }
     }

@@ -48,6 +48,14 @@ pub enum DaylightError {
         "a sun is given as az:DEGREES,el:DEGREES,AMOUNT, such as az:200,el:40,60000lx, or by date and place, such as 2026-06-21T12:00+02:00,lat:48.1,lon:11.6,80000lx (it is `{0}`)"
     )]
     Sun(String),
+    /// A day that its month does not have.
+    #[error("the sun's date is in a month of {days} days: choose one of them (it is `{text}`)")]
+    Day {
+        /// What was given.
+        text: String,
+        /// Days of the month.
+        days: i32,
+    },
     /// The sky's spread depends on a sun, and none is given.
     #[error("the sky `{0}` is brightest about the sun: tell where that is with --sun")]
     NeedsSun(String),

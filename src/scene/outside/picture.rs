@@ -3,6 +3,7 @@
 use std::f64::consts::{PI, TAU};
 use std::io::Cursor;
 
+use exr::meta::MetaData;
 use exr::prelude::{ReadChannels as _, ReadLayers as _};
 use glam::{DVec3, Vec3};
 use image::ImageFormat;
@@ -54,9 +55,7 @@ impl SkyPicture {
         let format = image::guess_format(bytes).ok().or_else(by_name).ok_or("its format is not known")?;
         let open = || reader(bytes, format, MOST_MEMORY);
         let (width, height) = open().into_dimensions().map_err(|error| error.to_string())?;
-        if u64::from(width) * u64::from(height) > MOST_READ {
-            return Err(format!("its {width} × {height} pixels are too many"));
-        }
+        check_size(width.into(), height.into())?;
         let image = open().decode().map_err(|error| error.to_string())?;
         let is_linear = matches!(format, ImageFormat::Hdr);
         let texels: Vec<Vec3> = if is_linear {
@@ -109,7 +108,18 @@ impl SkyPicture {
     }
 }
 
+/// Refuses what would take too much memory before any is taken.
+fn check_size(width: u64, height: u64) -> Result<(), String> {
+    let is_small = width.saturating_mul(height) <= MOST_READ;
+    if is_small { Ok(()) } else { Err(format!("its {width} × {height} pixels are too many")) }
+}
+
 fn read_exr(bytes: &[u8]) -> Result<Option<SkyPicture>, String> {
+    let layers = MetaData::read_from_buffered(Cursor::new(bytes), false).map_err(|error| error.to_string())?.headers;
+    // The reader takes memory for all pixels of a layer that a header tells of.
+    layers
+        .iter()
+        .try_for_each(|layer| check_size(layer.layer_size.width() as u64, layer.layer_size.height() as u64))?;
     let read = exr::prelude::read()
         .no_deep_data()
         .largest_resolution_level()
@@ -164,5 +174,25 @@ mod tests {
         assert!((texel.x - 1.0).abs() < 1e-6 && texel.y == 0.0 && (texel.z - 0.503).abs() < 1e-3, "{texel}");
         assert!(SkyPicture::read(b"no picture", "sky.hdr").is_err());
         assert!(SkyPicture::read(&[0x76, 0x2f, 0x31, 0x01, 0, 0], "sky.exr").is_err());
+    }
+
+    /// Truth: a picture of 4 × 2 pixels whose header tells of 16,384 × 8,200, 1.6 GB as they are
+    /// read.
+    #[test]
+    fn what_the_header_of_an_exr_claims_is_not_taken_on_trust() {
+        use exr::prelude::{Image, SpecificChannels, WritableImage};
+        let mut file = Cursor::new(Vec::new());
+        let channels = SpecificChannels::rgb(|_| (1.0_f32, 2.0_f32, 3.0_f32));
+        Image::from_channels((4, 2), channels).write().to_buffered(&mut file).expect("it can be encoded");
+        let mut bytes = file.into_inner();
+        assert_eq!(SkyPicture::read(&bytes, "sky.exr").expect("a picture").size(), [4, 2]);
+        let name = b"dataWindow\0box2i\0";
+        let at = bytes.windows(name.len()).position(|window| window == name).expect("every file has one");
+        // Behind the name the length of the value, the lowest and then the highest column and row.
+        let highest = at + name.len() + 4 + 8;
+        bytes[highest..][..4].copy_from_slice(&16_383_i32.to_le_bytes());
+        bytes[highest + 4..][..4].copy_from_slice(&8_199_i32.to_le_bytes());
+        let said = SkyPicture::read(&bytes, "sky.exr").expect_err("no memory is taken for it");
+        assert_eq!(said, "its 16384 × 8200 pixels are too many");
     }
 }

@@ -15,6 +15,17 @@ pub struct Moment {
 }
 
 impl Moment {
+    /// Days of a month.
+    pub fn days_of(year: i32, month: i32) -> i32 {
+        let is_leap = year % 4 == 0 && (year % 100 != 0 || year % 400 == 0);
+        match month {
+            2 if is_leap => 29,
+            2 => 28,
+            4 | 6 | 9 | 11 => 30,
+            _ => 31,
+        }
+    }
+
     /// The Julian day of the moment [Meeus, chapter 7; Gregorian calendar].
     pub fn julian_day(&self) -> f64 {
         let [mut year, mut month, day] = self.date;
@@ -54,6 +65,13 @@ pub fn position(moment: &Moment, latitude: f64, longitude: f64) -> [f64; 2] {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// Truth: the calendar.
+    #[test]
+    fn februaries_have_a_day_more_in_leap_years() {
+        let days = [(2026, 2), (2028, 2), (1900, 2), (2026, 4), (2026, 12)].map(|(y, m)| Moment::days_of(y, m));
+        assert_eq!(days, [28, 29, 28, 30, 31]);
+    }
 
     /// Truth: Meeus, example 7.a (launch of Sputnik, 1957 October 4.81: JD 2436116.31) and his
     /// table of chapter 7.

@@ -269,8 +269,8 @@ impl FromStr for SunSpec {
             if let Some((place, value)) = known {
                 numbers[place] = Some(value.ok_or_else(wrong)?);
             } else if let Some(rgb) = part.strip_prefix("rgb:") {
-                let parsed: Vec<f32> = rgb.split('/').filter_map(|value| value.parse().ok()).collect();
-                let [r, g, b] = parsed[..] else { return Err(wrong()) };
+                let parsed: Option<Vec<f32>> = rgb.split('/').map(|value| value.parse().ok()).collect();
+                let [r, g, b] = parsed.unwrap_or_default()[..] else { return Err(wrong()) };
                 colour = Vec3::new(r, g, b);
                 if !(colour.is_finite() && colour.min_element() >= 0.0 && colour.max_element() > 0.0) {
                     return Err(wrong());
@@ -278,7 +278,12 @@ impl FromStr for SunSpec {
             } else if let Some(spec) = Amount::read(part) {
                 amount = Some(spec);
             } else {
-                moment = Some(read_moment(part).ok_or_else(wrong)?);
+                let read = read_moment(part).ok_or_else(wrong)?;
+                let [year, month, day] = read.date;
+                if day > Moment::days_of(year, month) {
+                    return Err(DaylightError::Day { text: text.to_owned(), days: Moment::days_of(year, month) });
+                }
+                moment = Some(read);
             }
         }
         let place = match (numbers, moment) {
@@ -294,7 +299,8 @@ impl FromStr for SunSpec {
     }
 }
 
-/// A moment as ISO 8601 writes it: `2026-06-21T12:30+02:00`, or with `Z`.
+/// A moment as ISO 8601 writes it: `2026-06-21T12:30+02:00`, or with `Z`; months are not looked at
+/// for how many days they have.
 fn read_moment(text: &str) -> Option<Moment> {
     let (date, time) = text.split_once('T')?;
     let date: Vec<i32> = date.split('-').map(|part| part.parse().ok()).collect::<Option<_>>()?;
@@ -432,9 +438,21 @@ mod tests {
             "az:1,el:2,5",
             "lat:1,lon:2",
             "2026-13-01T12:00Z,lat:1,lon:2",
+            "2026-01-32T12:00Z,lat:1,lon:2",
+            "az:1,el:2,rgb:1/1",
+            "az:1,el:2,rgb:1/x/1/1",
         ] {
             assert!(text.parse::<SunSpec>().is_err(), "{text}");
         }
+        for (text, days) in [("2026-02-31", 28), ("2028-02-30", 29), ("2026-04-31", 30)] {
+            let text = format!("{text}T12:00Z,lat:1,lon:2");
+            let said = text.parse::<SunSpec>().expect_err("no day of the calendar").to_string();
+            assert_eq!(
+                said,
+                format!("the sun's date is in a month of {days} days: choose one of them (it is `{text}`)")
+            );
+        }
+        assert!("2028-02-29T12:00Z,lat:1,lon:2".parse::<SunSpec>().is_ok());
     }
 
     /// Truth: 179 lm of white light are 1 W; a colour keeps the illuminance.

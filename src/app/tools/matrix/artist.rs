@@ -1,16 +1,16 @@
-//! The thread that draws rasters of the matrix, so that the window never waits for one.
+//! Draws rasters of the matrix on a thread, so that the window never waits for one.
 //!
 //! One order is under way at a time. Whoever gave it goes on with the last picture until the next
 //! one is there, and then orders what is wanted by then: nothing queues up, however fast the view
 //! moves or the solver refines.
 
 use std::sync::Arc;
-use std::sync::mpsc::{Receiver, Sender, channel};
-use std::thread::Builder;
+use std::task::Poll;
 
 use crate::app::Wake;
 use crate::app::tools::matrix::Look;
 use crate::base::cancel::CancelToken;
+use crate::base::threads::Background;
 use crate::read::matrix::{Facts, Palette, Raster, Request, View, facts, raster};
 use crate::transport::SolutionView;
 
@@ -24,6 +24,8 @@ pub struct Order {
     pub request: Request,
     /// Whether the whole square is wanted as well.
     pub wants_whole: bool,
+    /// What an earlier picture of this look found out.
+    pub known: Option<(Facts, Arc<Palette>)>,
 }
 
 /// A picture that was drawn.
@@ -37,60 +39,35 @@ pub struct Drawn {
     pub palette: Arc<Palette>,
 }
 
-/// Facts that all pictures of one look have in common.
-struct Known {
-    look: Look,
-    facts: Facts,
-    palette: Arc<Palette>,
-}
-
 /// The window's side of the thread.
+#[derive(Default)]
 pub struct Artist {
-    orders: Sender<Order>,
-    drawn: Receiver<Drawn>,
+    under_way: Option<Background<Option<Drawn>>>,
     cancel: CancelToken,
-    under_way: bool,
 }
 
 impl Artist {
-    /// Starts the thread.
-    ///
-    /// # Errors
-    /// The system gives no further thread.
-    pub fn spawn(wake: Wake) -> std::io::Result<Self> {
-        let (orders, taken) = channel::<Order>();
-        let (done, drawn) = channel();
-        let cancel = CancelToken::new();
-        let token = cancel.clone();
-        let work = move || {
-            let mut known = None;
-            while let Ok(order) = taken.recv() {
-                let Some(picture) = draw(&order, &mut known, &token) else { return };
-                if done.send(picture).is_err() {
-                    return;
-                }
-                wake();
-            }
-        };
-        Builder::new().name("link matrix".into()).spawn(work)?;
-        Ok(Self { orders, drawn, cancel, under_way: false })
-    }
-
     /// Whether it would take an order now.
     pub fn is_free(&self) -> bool {
-        !self.under_way
+        self.under_way.is_none()
     }
 
     /// Orders a picture.
-    pub fn order(&mut self, order: Order) {
-        self.under_way = self.orders.send(order).is_ok();
+    ///
+    /// # Errors
+    /// The system gives no further thread.
+    pub fn order(&mut self, order: Order, wake: Wake) -> std::io::Result<()> {
+        let cancel = self.cancel.clone();
+        self.under_way = Some(Background::start("link matrix", move || wake(), move || draw(order, &cancel))?);
+        Ok(())
     }
 
     /// The picture that was ordered, once it is there.
     pub fn take(&mut self) -> Option<Drawn> {
-        let drawn = self.drawn.try_recv().ok()?;
-        self.under_way = false;
-        Some(drawn)
+        // What broke stays under way: it would break again.
+        let Poll::Ready(Some(drawn)) = self.under_way.as_ref()?.poll() else { return None };
+        self.under_way = None;
+        drawn
     }
 }
 
@@ -100,17 +77,13 @@ impl Drop for Artist {
     }
 }
 
-fn draw(order: &Order, known: &mut Option<Known>, cancel: &CancelToken) -> Option<Drawn> {
-    let Order { look, solution_view, request, wants_whole } = order;
-    let former = known.take().filter(|known| known.look == *look);
-    let Known { facts, palette, .. } = known.insert(former.unwrap_or_else(|| Known {
-        look: *look,
-        facts: facts(solution_view, request.room),
-        palette: Arc::new(Palette::new(solution_view, look.colouring)),
-    }));
-    let drawn = raster(solution_view, palette, request, cancel)?;
-    let of_whole = Request { view: View::WHOLE, pixels: PIXELS_OF_WHOLE, ..*request };
-    let whole = if *wants_whole { Some(raster(solution_view, palette, &of_whole, cancel)?) } else { None };
-    let (facts, palette) = (*facts, palette.clone());
-    Some(Drawn { look: *look, request: *request, raster: drawn, whole, facts, palette })
+fn draw(order: Order, cancel: &CancelToken) -> Option<Drawn> {
+    let Order { look, solution_view, request, wants_whole, known } = order;
+    let (facts, palette) = known.unwrap_or_else(|| {
+        (facts(&solution_view, request.room), Arc::new(Palette::new(&solution_view, look.colouring)))
+    });
+    let drawn = raster(&solution_view, &palette, &request, cancel)?;
+    let of_whole = Request { view: View::WHOLE, pixels: PIXELS_OF_WHOLE, ..request };
+    let whole = if wants_whole { Some(raster(&solution_view, &palette, &of_whole, cancel)?) } else { None };
+    Some(Drawn { look, request, raster: drawn, whole, facts, palette })
 }

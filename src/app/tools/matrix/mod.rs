@@ -1,6 +1,6 @@
 //! The link matrix: all links as blocks, receivers by sources.
 //!
-//! The picture comes from a thread of its own ([`artist`]); here are the switches, the square with
+//! The picture is drawn on a thread ([`artist`]); here are the switches, the square with
 //! what is pointed at in it ([`square`]), the names along its edges ([`edges`]) and what its
 //! colours mean ([`key`]).
 
@@ -57,7 +57,7 @@ pub struct LinkMatrix {
     room: Room,
     colouring: Colouring,
     view: View,
-    artist: Option<Artist>,
+    artist: Artist,
     shown: Option<Drawing>,
     /// A coarse picture of the whole square.
     whole: Option<(Look, TextureHandle)>,
@@ -97,7 +97,7 @@ impl Default for LinkMatrix {
             room: Room::default(),
             colouring: Colouring::default(),
             view: View::WHOLE,
-            artist: None,
+            artist: Artist::default(),
             shown: None,
             whole: None,
             generation: 0,
@@ -181,23 +181,23 @@ impl LinkMatrix {
         wake: &Wake,
         outbox: &mut Outbox,
     ) {
-        if let Some(drawn) = self.artist.as_mut().and_then(Artist::take) {
+        if let Some(drawn) = self.artist.take() {
             self.take_up(ctx, drawn);
         }
         let request = Request { room: self.room, view: self.view, pixels, has_gaps: true };
         if self.shown.as_ref().is_some_and(|shown| shown.look == look && shown.request == request) {
             return;
         }
-        if self.artist.is_none() {
-            let failed = |error| format!("The link matrix cannot be drawn, no thread is left ({error}).");
-            match Artist::spawn(wake.clone()) {
-                Ok(artist) => self.artist = Some(artist),
-                Err(error) => outbox.act(Action::Fail(Topic::Drawing, failed(error))),
-            }
+        if !self.artist.is_free() {
+            return;
         }
         let wants_whole = !self.view.is_whole() && self.whole.as_ref().is_none_or(|(whole, _)| *whole != look);
-        if let Some(artist) = self.artist.as_mut().filter(|artist| artist.is_free()) {
-            artist.order(Order { look, solution_view: solution_view.clone(), request, wants_whole });
+        let of_look = self.shown.as_ref().filter(|shown| shown.look == look);
+        let known = of_look.map(|shown| (shown.facts, shown.palette.clone()));
+        let order = Order { look, solution_view: solution_view.clone(), request, wants_whole, known };
+        if let Err(error) = self.artist.order(order, wake.clone()) {
+            let failed = format!("The link matrix cannot be drawn, no thread is left ({error}).");
+            outbox.act(Action::Fail(Topic::Drawing, failed));
         }
     }
 

@@ -1,9 +1,9 @@
 //! A chart of pictures as tables.
 
-use std::fmt::Write as _;
-
 use super::{PictureChart, PictureKind, PictureRecord};
-use crate::measure::records::{self, columns, optional};
+use crate::base::format::seconds;
+use crate::measure::chart::write::percent;
+use crate::measure::records::{self, Table, columns, optional};
 
 /// The chart as CSV: a row for each picture.
 pub fn picture_csv(chart: &PictureChart) -> String {
@@ -35,38 +35,26 @@ pub fn picture_csv(chart: &PictureChart) -> String {
 /// A Markdown table: for each mesh and gathered picture how long the path tracer takes to the same
 /// mean ꟻLIP.
 pub fn picture_table(chart: &PictureChart) -> String {
-    let mut text = format!(
-        "Mean ꟻLIP (between halves of the reference: {:.4}) and local error of E over the pixels. Path tracer: time to the same ꟻLIP.\n\n| picture | ꟻLIP | pixel p50 | p90 | time | path tracer | ratio |\n| --- |{}\n",
-        chart.reference.flip_of_halves,
-        " ---: |".repeat(6)
-    );
-    let percent = |share: f64| format!("{:.1} %", 100.0 * share);
-    for picture in &chart.pictures {
+    let row = |picture: &PictureRecord| {
         let name = match (picture.error_asked, picture.samples) {
             (Some(error), _) => format!("{}, {}", picture.kind.name(), percent(error)),
             (None, samples) => format!("{}, {} samples", picture.kind.name(), samples.unwrap_or_default()),
         };
-        let paths = match picture.kind {
+        let [paths, ratio] = match picture.kind {
             PictureKind::Paths => [String::new(), String::new()],
-            _ => time_of_paths(chart, picture.flip).map_or(["–".to_owned(), "–".to_owned()], |(seconds, sign)| {
-                [
-                    format!("{sign}{}", crate::base::format::seconds(seconds)),
-                    format!("{sign}{:.1}", seconds / picture.seconds),
-                ]
+            _ => time_of_paths(chart, picture.flip).map_or(["–".to_owned(), "–".to_owned()], |(time, sign)| {
+                [format!("{sign}{}", seconds(time)), format!("{sign}{:.1}", time / picture.seconds)]
             }),
         };
-        let _ = writeln!(
-            text,
-            "| {name} | {:.4} | {} | {} | {} | {} | {} |",
-            picture.flip,
-            percent(picture.local.p50),
-            percent(picture.local.p90),
-            crate::base::format::seconds(picture.seconds),
-            paths[0],
-            paths[1],
-        );
-    }
-    text
+        let [p50, p90] = [picture.local.p50, picture.local.p90].map(percent);
+        vec![name, format!("{:.4}", picture.flip), p50, p90, seconds(picture.seconds), paths, ratio]
+    };
+    let caption = format!(
+        "Mean ꟻLIP (between halves of the reference: {:.4}) and local error of E over the pixels. Path tracer: time to the same ꟻLIP.",
+        chart.reference.flip_of_halves
+    );
+    let head = ["picture", "ꟻLIP", "pixel p50", "p90", "time", "path tracer", "ratio"].map(String::from).into();
+    Table { caption, head, rows: chart.pictures.iter().map(row).collect() }.markdown()
 }
 
 /// When the path tracer has this ꟻLIP, s, between its pictures by a power of the time; with a sign
