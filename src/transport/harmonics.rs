@@ -95,7 +95,7 @@ pub struct NormalMoments {
 }
 
 impl NormalMoments {
-    /// Mean positive cosine of the patches towards a direction, as a [`IrradianceHarmonics`] gives
+    /// Mean positive cosine of the patches towards a direction, as `IrradianceHarmonics` give
     /// it.
     pub fn mean_cosine(&self, direction: Vec3) -> f32 {
         let [xx, yy, zz, xy, yz, zx] = products(direction);

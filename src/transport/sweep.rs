@@ -305,3 +305,53 @@ impl Change {
         self.moved * (mean / (1.0 - mean)).max(1.0)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use super::*;
+    use crate::scene::builtin::BuiltinScene;
+    use crate::solve::{Epsilon, Solver, SolverParams};
+    use crate::transport::Push;
+
+    /// Truth: the leaves themselves, one by one. Where none of them is lit by less than nothing,
+    /// for which the lights from far away are known too coarsely, the rim reflects what they do.
+    #[test]
+    fn the_rim_of_the_stem_reflects_what_its_leaves_do() {
+        for push in [Push::Immediate, Push::Deferred] {
+            let params = SolverParams { epsilon: Epsilon::Relative(3e-2), push, ..SolverParams::default() };
+            let solved = Solver::solved(&Arc::new(BuiltinScene::Office.build()), params);
+            let solution = solved.link_solution();
+            let never = CancelToken::new();
+            let gatherer = solution.gatherer(solution.links(), false);
+            let stem = gatherer.pusher.stem();
+            let mut light = solution.light().clone();
+            // Leaves that are scaled back must count as such.
+            light.row_scale.iter_mut().step_by(3).for_each(|scale| *scale = 0.5);
+            let (mut radiosity, emitted) = (stem.of(&light.radiosity), stem.of(&light.emitted));
+            let arrived = gatherer.arrive(&radiosity, &emitted, &never).expect("nobody cancels");
+            let rims = gatherer.rims(&light.row_scale);
+            gatherer.reflect(&rims, &arrived, &emitted, &mut radiosity);
+            gatherer.spread(&arrived, &mut light);
+            let is_lit = |id: ElementId| light.irradiance[id.index()].min_element() > 0.0;
+            let (mut compared, mut with_harmonics) = (0, 0);
+            for Rim { place, .. } in &rims {
+                let index = stem.elements()[*place].index;
+                let Shape::Cluster(cluster) = &solution.hierarchy().elements()[index].shape else { continue };
+                if solution.hierarchy().patches_below(cluster).iter().all(|id| is_lit(*id)) {
+                    let off = (radiosity[*place] - light.radiosity[index]).abs().max_element();
+                    assert!(off < 1e-4 * light.radiosity[index].max_element(), "{push:?}, {index}: off by {off} W/m²");
+                    compared += 1;
+                    with_harmonics += usize::from(gatherer.pusher.reaching(&arrived, *place).1.is_some());
+                }
+            }
+            assert!(
+                compared > 20 && (with_harmonics > 10) == (push == Push::Immediate),
+                "{compared}, {with_harmonics}"
+            );
+            let [stem, all] = [stem.elements().len(), solution.hierarchy().elements().len()];
+            assert!(4 * stem < 3 * all, "{stem} of {all} elements");
+        }
+    }
+}

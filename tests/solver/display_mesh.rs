@@ -4,7 +4,7 @@
 
 use glam::Vec3;
 use rustc_hash::{FxHashMap, FxHashSet};
-use selflink::hierarchy::{ClusteringMode, Shape, smooth_surfaces};
+use selflink::hierarchy::{ClusteringMode, Shape};
 use selflink::scene::{GroupId, Polygon, Scene};
 use selflink::solve::{Mesh, Snapshot, Solver};
 
@@ -77,7 +77,7 @@ fn surfaces_are_covered_once_up_to_their_rims() {
         let (solved, snapshot) = finished(&scene, ClusteringMode::Adaptive, 1e-4);
         let mesh = &snapshot.mesh;
         assert!(levels(&snapshot).len() > 2);
-        let surfaces = smooth_surfaces(&scene, solved.hierarchy());
+        let surfaces = solved.hierarchy().smooth_surfaces();
         let surface_of = |leaf: u32| surfaces[mesh.leaves[leaf as usize].polygon as usize];
         let length = |edge: &Edge| {
             let [a, b] = edge.map(|end| Vec3::from(end.map(f32::from_bits)));
@@ -115,7 +115,7 @@ fn perimeter(scene: &Scene, polygon: &Polygon) -> f64 {
 fn a_surface_has_one_vertex_at_a_position() {
     let scene = lamp_room();
     let (solved, snapshot) = finished(&scene, ClusteringMode::Adaptive, 1e-4);
-    let surfaces = smooth_surfaces(&scene, solved.hierarchy());
+    let surfaces = solved.hierarchy().smooth_surfaces();
     let mesh = &snapshot.mesh;
     let mut vertex_at = FxHashMap::default();
     for (triangle, leaf) in mesh.triangles.iter().zip(&mesh.triangle_leaf) {
@@ -192,7 +192,7 @@ fn the_two_sides_of_a_face_are_not_smoothed_together() {
         scene.polygons.push(back);
     }
     let (solved, snapshot) = finished(&scene, ClusteringMode::Adaptive, 1e-3);
-    let surfaces = smooth_surfaces(&scene, solved.hierarchy());
+    let surfaces = solved.hierarchy().smooth_surfaces();
     assert_eq!((surfaces[0], surfaces[3]), (surfaces[1], surfaces[4]));
     assert_ne!(surfaces[0], surfaces[3]);
     // The lamp is above: nothing reaches the backs, and nothing of the fronts' light shows there.
