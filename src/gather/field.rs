@@ -179,19 +179,24 @@ impl Field {
     /// What each patch reflects of these irradiances of leaves in the mean, ρE, W/m²; both are
     /// parallel to the arena.
     pub(super) fn reflect(&self, irradiance: &[Vec3]) -> Vec<Vec3> {
-        let hierarchy = &*self.hierarchy;
         let mut reflected = vec![Vec3::ZERO; irradiance.len()];
         let of_leaf = |leaf: &ElementId| self.reflectance(*leaf) * irradiance[leaf.index()].max(Vec3::ZERO);
         let of_leaves: Vec<Vec3> = self.patches.leaves.par_iter().with_min_len(4096).map(of_leaf).collect();
         self.patches.leaves.iter().zip(of_leaves).for_each(|(leaf, of_leaf)| reflected[leaf.index()] = of_leaf);
+        self.with_means(reflected)
+    }
+
+    /// Values of leaves, parallel to the arena, with their means by area for the patches that were
+    /// split.
+    pub(super) fn with_means(&self, mut values: Vec<Vec3>) -> Vec<Vec3> {
+        let hierarchy = &*self.hierarchy;
         for id in self.patches.split.iter().rev() {
             let children = hierarchy.element(*id).children();
             let area: f32 = children.clone().map(|child| hierarchy.element(child).area).sum();
-            let sent = |child: ElementId| hierarchy.element(child).area * reflected[child.index()];
-            let sum: Vec3 = children.map(sent).sum();
-            reflected[id.index()] = if area > 0.0 { sum / area } else { Vec3::ZERO };
+            let power: Vec3 = children.map(|child| hierarchy.element(child).area * values[child.index()]).sum();
+            values[id.index()] = if area > 0.0 { power / area } else { Vec3::ZERO };
         }
-        reflected
+        values
     }
 
     /// Takes over the irradiances of what is seen from afar of each leaf, W/m².

@@ -33,6 +33,8 @@ struct Relighting<'a> {
     direct: Vec<Vec3>,
     /// Scale of reflected light by which it dies out.
     closure: Vec<f32>,
+    /// Reflectance ρ; 0 of what is no leaf.
+    reflectance: Vec<Vec3>,
 }
 
 /// Where an element's indirect light is known from.
@@ -59,6 +61,7 @@ impl<'a> Relighting<'a> {
     fn new(field: &'a Field, samples: &'a GatherSamples, groups: &'a Groups, of_links: &'a [Vec3]) -> Self {
         let elements = field.hierarchy.elements().len();
         let (mut direct, mut closure) = (vec![Vec3::ZERO; elements], vec![1.0; elements]);
+        let mut reflectance = vec![Vec3::ZERO; elements];
         let mut known = vec![Known::Nothing; elements];
         let emitted = groups.shared(|leaf| {
             let sums = samples.of(leaf);
@@ -73,9 +76,10 @@ impl<'a> Relighting<'a> {
             known[index] = if sums.whole > 0 { Known::ByLooks(1.0 / sums.whole as f32) } else { Known::ByLinks };
             direct[index] = emitted.of(leaf).map_or_else(|| samples.direct(leaf).0, |(mean, shape)| shape * mean);
             let row = rows.of(leaf).map_or_else(|| sums.row / sums.whole.max(1) as f32, |(mean, shape)| shape * mean);
-            closure[index] = closure_of(row, field.reflectance(leaf).max_element());
+            reflectance[index] = field.reflectance(leaf);
+            closure[index] = closure_of(row, reflectance[index].max_element());
         }
-        Self { field, samples, groups, of_links, known, direct, closure }
+        Self { field, samples, groups, of_links, known, direct, closure, reflectance }
     }
 
     /// Irradiance of each leaf, W/m², where all reflect this much, and the factor that makes up for
@@ -115,13 +119,20 @@ impl<'a> Relighting<'a> {
         if kept > 0.0 { (all / kept).min(MOST_REFUND) as f32 } else { 1.0 }
     }
 
+    /// What each patch reflects of these irradiances of leaves in the mean, ρE, W/m².
+    fn reflect(&self, irradiance: &[Vec3]) -> Vec<Vec3> {
+        let of_leaf = |(light, reflectance): (&Vec3, &Vec3)| *reflectance * light.max(Vec3::ZERO);
+        let reflected = irradiance.par_iter().zip(&self.reflectance).with_min_len(CHUNK).map(of_leaf);
+        self.field.with_means(reflected.collect())
+    }
+
     /// Change of the leaves' light from what all reflected to what they reflect now.
     fn change(&self, before: &[Vec3], now: &[Vec3]) -> Change {
         let of_chunk = |leaves: &[ElementId]| {
             let mut change = Change::default();
             for &leaf in leaves {
                 let [before, now] = [before, now].map(|light| light[leaf.index()]);
-                change.note(self.field.area(leaf), [before, now], (now, self.field.reflectance(leaf)));
+                change.note(self.field.area(leaf), [before, now], (now, self.reflectance[leaf.index()]));
             }
             change
         };
@@ -177,10 +188,10 @@ impl Gather {
         // From emission alone the first time: what links let through a wall would take long to die
         // out.
         let is_afresh = samples.has_cosine() && !self.is_lit_by_samples;
-        let mut reflected = if is_afresh { field.reflect(&relighting.direct) } else { field.reflected.to_vec() };
+        let mut reflected = if is_afresh { relighting.reflect(&relighting.direct) } else { field.reflected.to_vec() };
         let mut mixing = Mixing::default();
         for sweep in 1..=MOST_SWEEPS {
-            let next = field.reflect(&relighting.irradiance(&reflected, cancel)?.0);
+            let next = relighting.reflect(&relighting.irradiance(&reflected, cancel)?.0);
             let change = relighting.change(&reflected, &next);
             // Without cosine-distributed rays nothing depends on what others reflect.
             if change.to_come() <= SWEEP_TOLERANCE * change.power || !samples.has_cosine() || sweep == MOST_SWEEPS {
