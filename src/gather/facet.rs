@@ -9,7 +9,7 @@ use std::f32::consts::PI;
 
 use glam::Vec3;
 
-use crate::geometry::lambert;
+use crate::geometry::{AboveHorizon, lambert};
 use crate::hierarchy::point_on_polygon;
 
 /// A polygon whose radius is above this share of its distance is sampled by solid angle.
@@ -17,15 +17,11 @@ const NEAR: f32 = 0.25;
 /// Triangles of smaller solid angles (sr) are sampled by area: rounding would decide about
 /// directions.
 const LEAST_SOLID_ANGLE: f32 = 1e-3;
-/// Corners of a quad that the horizon has cut.
-const MOST_CORNERS: usize = 5;
 
 /// The part of a polygon above a point's horizon.
 #[derive(Clone, Copy, Debug)]
 pub struct Facet {
-    /// Corners relative to the point.
-    corners: [Vec3; MOST_CORNERS],
-    count: u8,
+    above: AboveHorizon,
     is_near: bool,
     /// Form factor from the point to the polygon, unoccluded.
     pub form_factor: f32,
@@ -45,44 +41,26 @@ impl Facet {
     /// The part of a polygon (corners anticlockwise from its bright side) that a point with this
     /// unit normal sees; `None` where it lies below the horizon or shows its back.
     pub fn new(point: Vec3, normal: Vec3, polygon: &[Vec3]) -> Option<Self> {
-        let mut corners = [Vec3::ZERO; MOST_CORNERS];
-        let mut count = 0;
-        let mut push = |corner: Vec3| {
-            if count < MOST_CORNERS {
-                corners[count] = corner;
-                count += 1;
-            }
-        };
-        for (index, &corner) in polygon.iter().enumerate() {
-            let (from, to) = (corner - point, polygon[(index + 1) % polygon.len()] - point);
-            let (from_height, to_height) = (normal.dot(from), normal.dot(to));
-            if from_height >= 0.0 {
-                push(from);
-            }
-            if (from_height > 0.0 && to_height < 0.0) || (from_height < 0.0 && to_height > 0.0) {
-                push(from + (to - from) * (from_height / (from_height - to_height)));
-            }
-        }
-        if count < 3 {
+        let above = AboveHorizon::new(point, normal, polygon);
+        let used = above.corners();
+        if used.len() < 3 {
             return None;
         }
-        let used = &corners[..count];
-        // The polygon runs clockwise as seen from a point that its bright side faces.
         let form_factor = lambert(normal, used);
-        let centre = used.iter().sum::<Vec3>() / count as f32;
+        let centre = used.iter().sum::<Vec3>() / used.len() as f32;
         let radius_squared = used.iter().map(|corner| corner.distance_squared(centre)).fold(0.0, f32::max);
         let is_near = radius_squared > NEAR * NEAR * centre.length_squared();
-        (form_factor > 0.0).then_some(Self { corners, count: count as u8, is_near, form_factor: form_factor.min(1.0) })
+        (form_factor > 0.0).then_some(Self { above, is_near, form_factor: form_factor.min(1.0) })
     }
 
     /// The samples of a facet with this polygon normal, by points of the unit square.
     pub fn samples(&self, normal: Vec3, polygon_normal: Vec3) -> FacetSampler<'_> {
-        let triangles = usize::from(self.count) - 2;
-        let mut angles = [SphericalTriangle::default(); MOST_CORNERS - 2];
+        let corners = self.corners();
+        let mut angles = [SphericalTriangle::default(); AboveHorizon::MOST_CORNERS - 2];
         let mut total = 0.0;
         if self.is_near {
-            for (index, angle) in angles[..triangles].iter_mut().enumerate() {
-                *angle = SphericalTriangle::new([self.corners[0], self.corners[index + 1], self.corners[index + 2]]);
+            for (index, angle) in angles[..corners.len() - 2].iter_mut().enumerate() {
+                *angle = SphericalTriangle::new([corners[0], corners[index + 1], corners[index + 2]]);
                 total += angle.area;
             }
         }
@@ -91,7 +69,7 @@ impl Facet {
     }
 
     fn corners(&self) -> &[Vec3] {
-        &self.corners[..usize::from(self.count)]
+        self.above.corners()
     }
 }
 
@@ -100,7 +78,7 @@ pub struct FacetSampler<'a> {
     facet: &'a Facet,
     normal: Vec3,
     polygon_normal: Vec3,
-    angles: [SphericalTriangle; MOST_CORNERS - 2],
+    angles: [SphericalTriangle; AboveHorizon::MOST_CORNERS - 2],
     /// Solid angle of the facet, sr; 0 where it is sampled by area.
     total: f32,
 }
@@ -134,7 +112,7 @@ impl FacetSampler<'_> {
         let nothing = FacetSample { span: self.normal, kernel: 0.0 };
         let mut rest = u * self.total;
         let mut index = 0;
-        while index + 3 < usize::from(self.facet.count) && rest >= self.angles[index].area {
+        while index + 3 < self.facet.corners().len() && rest >= self.angles[index].area {
             rest -= self.angles[index].area;
             index += 1;
         }
@@ -145,7 +123,7 @@ impl FacetSampler<'_> {
         let direction = triangle.direction((rest / triangle.area).clamp(0.0, 1.0), v);
         // Where the direction meets the plane of the polygon.
         let towards = self.polygon_normal.dot(direction);
-        let distance = self.polygon_normal.dot(self.facet.corners[0]) / towards;
+        let distance = self.polygon_normal.dot(self.facet.corners()[0]) / towards;
         let cosine = self.normal.dot(direction);
         if !(distance > 0.0 && distance.is_finite() && towards < 0.0 && cosine > 0.0) {
             return nothing;
@@ -230,7 +208,7 @@ fn perpendicular(of: Vec3, to: Vec3) -> Vec3 {
 mod tests {
     use super::*;
     use crate::base::random::r2_sequence;
-    use crate::transport::point_to_polygon;
+    use crate::geometry::point_to_polygon;
 
     fn square(height: f32, side: f32, shift: f32) -> [Vec3; 4] {
         // Bright side down.

@@ -1,6 +1,6 @@
-//! Lambert's formula: the form factor from a point to a polygon \[Lambert 1760; Baum, Rushmeier,
-//! Winget: *Improving radiosity solutions through the use of analytically determined form-factors*,
-//! SIGGRAPH 1989, eq 9\].
+//! Lambert's formula: the form factor from a point to the part of a polygon that lies above its
+//! horizon \[Lambert 1760; Baum, Rushmeier, Winget: *Improving radiosity solutions through the use of
+//! analytically determined form-factors*, SIGGRAPH 1989, eq 9\].
 
 use std::f32::consts::{PI, TAU};
 
@@ -20,6 +20,74 @@ const ARC: [f32; 10] = [
     0.067_372_724,
     -0.011_053_119,
 ];
+
+/// The part of a triangle or quad above the horizon of a point, in spans from there.
+#[derive(Clone, Copy, Debug)]
+pub struct AboveHorizon {
+    corners: [Vec3; Self::MOST_CORNERS],
+    count: usize,
+}
+
+impl AboveHorizon {
+    /// Corners of a quad that one plane cuts, at most.
+    pub const MOST_CORNERS: usize = 5;
+
+    /// What a point with this unit normal has above its horizon of a convex polygon.
+    pub fn new(point: Vec3, normal: Vec3, polygon: &[Vec3]) -> Self {
+        let mut above = Self { corners: [Vec3::ZERO; Self::MOST_CORNERS], count: 0 };
+        for (index, &corner) in polygon.iter().enumerate() {
+            let (from, to) = (corner - point, polygon[(index + 1) % polygon.len()] - point);
+            let (from_height, to_height) = (normal.dot(from), normal.dot(to));
+            if from_height >= 0.0 {
+                above.push(from);
+            }
+            if (from_height > 0.0 && to_height < 0.0) || (from_height < 0.0 && to_height > 0.0) {
+                above.push(from + (to - from) * (from_height / (from_height - to_height)));
+            }
+        }
+        above
+    }
+
+    fn push(&mut self, corner: Vec3) {
+        // A quad that is bent a little may have one more.
+        if let Some(place) = self.corners.get_mut(self.count) {
+            *place = corner;
+            self.count += 1;
+        }
+    }
+
+    /// Its corners; none where all lies below the horizon.
+    #[inline]
+    pub fn corners(&self) -> &[Vec3] {
+        &self.corners[..self.count]
+    }
+}
+
+/// Form factor from a point with this unit normal to a polygon with the corners anticlockwise as
+/// seen from its bright side, without occlusion.
+pub fn point_to_polygon(point: Vec3, normal: Vec3, polygon: &[Vec3]) -> f32 {
+    let above = AboveHorizon::new(point, normal, polygon);
+    let form_factor = far_away(normal, above.corners()).unwrap_or_else(|| lambert(normal, above.corners()));
+    form_factor.clamp(0.0, 1.0)
+}
+
+/// A polygon is far away if its corners are seen this close to its middle, as the square of a
+/// tangent: there its edges' angles cancel but for their last bits, and it is as good as a point
+/// with an area, both to 1e-4.
+const FAR_AWAY: f32 = 1e-4;
+
+/// Form factor to a small polygon far away, its corners seen from the receiving point; `None` where
+/// it is near.
+fn far_away(normal: Vec3, corners: &[Vec3]) -> Option<f32> {
+    let middle = corners.iter().sum::<Vec3>() / corners.len().max(1) as f32;
+    let squared = middle.length_squared();
+    if corners.is_empty() || !corners.iter().all(|corner| corner.distance_squared(middle) < FAR_AWAY * squared) {
+        return None;
+    }
+    let next = corners.iter().cycle().skip(1);
+    let area: Vec3 = corners.iter().zip(next).map(|(a, b)| 0.5 * (*a - middle).cross(*b - middle)).sum();
+    Some(-normal.dot(middle) * area.dot(middle) / (PI * squared * squared))
+}
 
 /// Form factor from the origin, with this unit normal, to a polygon wholly above its horizon;
 /// positive where the polygon shows its bright side, anticlockwise as seen from the origin.

@@ -3,7 +3,8 @@
 //! [`Occluders`] tell which face a ray meets (`offset` tells how it leaves one), [`orient`] which
 //! sides of faces are bright, [`overlaps`] removes faces that lie on each other, [`cuts`] parts
 //! large surfaces where walls stand on them, and [`Reachability`] tells which parts of faces light
-//! can reach; [`lambert()`] is the form factor from a point. This module imports `scene` and `random` alone.
+//! can reach; [`point_to_polygon`] is the form factor from a point. This module imports `base` and
+//! `scene` alone.
 
 pub mod cuts;
 mod enclosure;
@@ -17,7 +18,7 @@ mod reachability;
 mod wide_bvh;
 
 pub use enclosure::{EnclosureTest, LampList};
-pub use lambert::lambert;
+pub use lambert::{AboveHorizon, lambert, point_to_polygon};
 pub use occluders::{Hit, Occluders};
 pub use reachability::{Cells, Reachability, Shares, quarter};
 pub use wide_bvh::LastStop;

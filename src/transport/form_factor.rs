@@ -8,7 +8,7 @@ use std::f32::consts::PI;
 
 use glam::Vec3;
 
-use crate::geometry::lambert;
+use crate::geometry::point_to_polygon;
 use crate::hierarchy::{Cluster, Element, ElementId, Hierarchy, Patch, Shape, SkyPart};
 
 /// A cluster's mean cosine: projected over total area of randomly turned one-sided faces.
@@ -189,48 +189,6 @@ fn mapped(corners: &[Vec3], u: f32, v: f32) -> Vec3 {
         [a, b, c, d] => a.lerp(b, u).lerp(d.lerp(c, u), v),
         _ => unreachable!("a patch has three or four corners"),
     }
-}
-
-/// Form factor from a point with a normal to a polygon, clipped to the point's horizon [Lambert;
-/// facts: Baum 89].
-pub fn point_to_polygon(point: Vec3, normal: Vec3, corners: &[Vec3]) -> f32 {
-    // A quad clipped by one plane has at most five corners.
-    let mut clipped = [Vec3::ZERO; 6];
-    let mut count = 0;
-    for (index, &corner) in corners.iter().enumerate() {
-        let (from, to) = (corner - point, corners[(index + 1) % corners.len()] - point);
-        let (from_height, to_height) = (normal.dot(from), normal.dot(to));
-        if from_height >= 0.0 {
-            clipped[count] = from;
-            count += 1;
-        }
-        if (from_height > 0.0 && to_height < 0.0) || (from_height < 0.0 && to_height > 0.0) {
-            clipped[count] = from + (to - from) * (from_height / (from_height - to_height));
-            count += 1;
-        }
-    }
-    if let Some(far) = far_away(normal, &clipped[..count]) {
-        return far;
-    }
-    lambert(normal, &clipped[..count]).clamp(0.0, 1.0)
-}
-
-/// A polygon is far away if its corners are seen this close to its middle, as the square of a
-/// tangent: there its edges' angles cancel but for their last bits, and it is as good as a point
-/// with an area, both to 1e-4.
-const FAR_AWAY: f32 = 1e-4;
-
-/// Form factor to a small polygon far away, its corners seen from the receiving point; `None` where
-/// it is near.
-fn far_away(normal: Vec3, corners: &[Vec3]) -> Option<f32> {
-    let middle = corners.iter().sum::<Vec3>() / corners.len().max(1) as f32;
-    let squared = middle.length_squared();
-    if corners.is_empty() || !corners.iter().all(|corner| corner.distance_squared(middle) < FAR_AWAY * squared) {
-        return None;
-    }
-    let next = corners.iter().cycle().skip(1);
-    let area: Vec3 = corners.iter().zip(next).map(|(a, b)| 0.5 * (*a - middle).cross(*b - middle)).sum();
-    Some((-normal.dot(middle) * area.dot(middle) / (PI * squared * squared)).clamp(0.0, 1.0))
 }
 
 /// Whether points lie behind (or in) a patch's plane.

@@ -39,7 +39,7 @@ mod waiting;
 pub use audit::{Audit, audit};
 pub use candidate::Waiting;
 pub use entering::{ENTERING_RAYS, entering_power, lets_daylight_in, new_hierarchy};
-pub use form_factor::{Exchange, exchange, point_to_polygon};
+pub use form_factor::{Exchange, exchange};
 pub use harmonics::NormalMoments;
 pub use link::{Link, LinkTable, VisibilitySource};
 pub use recheck::{RecheckReasons, Rechecked};

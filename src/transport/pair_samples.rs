@@ -10,9 +10,8 @@ use std::f32::consts::PI;
 
 use glam::Vec3;
 
-use super::form_factor::point_to_polygon;
 use crate::base::random::{fraction, hash64};
-use crate::geometry::{LastStop, Occluders};
+use crate::geometry::{LastStop, Occluders, point_to_polygon};
 use crate::hierarchy::{ElementId, Hierarchy, PatchSums, Shape, SurfacePoint};
 
 /// How many rays a pair gets.

@@ -9,12 +9,13 @@ use super::SolutionView;
 use super::candidate::Candidate;
 use super::harmonics::{NormalMoments, normal_moments};
 use super::link::LinkTable;
+use super::nodes::Nodes;
 use super::oracle::Oracle;
 use super::pair_samples::RaySampler;
 use super::recheck::SCHEDULE;
 use super::refine::{Applied, Refinement};
 use super::rules::LinkRules;
-use super::sweep::{Gatherer, Light, pull};
+use super::sweep::{Gatherer, Light};
 use crate::base::cancel::CancelToken;
 use crate::geometry::Occluders;
 use crate::hierarchy::{Element, ElementId, Hierarchy, PatchSums, Shape};
@@ -117,7 +118,7 @@ impl LinkSolution {
                 *radiosity = of_polygons[patch.polygon as usize];
             }
         }
-        pull(&new.hierarchy, &mut new.light.radiosity);
+        Nodes::new(&new.hierarchy).pull(&mut new.light.radiosity);
         new.fix_max_radiosity();
         new
     }
@@ -242,7 +243,7 @@ impl LinkSolution {
         };
         let elements = self.hierarchy.elements();
         let mut radiosity: Vec<Vec3> = elements.par_iter().with_min_len(1 << 12).map(emission).collect();
-        pull(&self.hierarchy, &mut radiosity);
+        Nodes::new(&self.hierarchy).pull(&mut radiosity);
         let irradiance = vec![Vec3::ZERO; radiosity.len()];
         Light { emitted: radiosity.clone(), radiosity, irradiance, row_scale: Vec::new() }
     }

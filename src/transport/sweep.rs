@@ -244,26 +244,6 @@ impl<'a> Gatherer<'a> {
     }
 }
 
-/// Sets the radiosity of all elements from their leaves', by area.
-pub fn pull(hierarchy: &Hierarchy, radiosity: &mut [Vec3]) {
-    for (index, element) in hierarchy.elements().iter().enumerate().rev() {
-        if !element.is_leaf() {
-            radiosity[index] = mean_of_children(hierarchy, radiosity, element.children());
-        }
-    }
-}
-
-fn mean_of_children(hierarchy: &Hierarchy, radiosity: &[Vec3], children: impl Iterator<Item = ElementId>) -> Vec3 {
-    let mut power = Vec3::ZERO;
-    let mut area = 0.0;
-    for child in children {
-        let child_area = hierarchy.element(child).area;
-        power += child_area * radiosity[child.index()];
-        area += child_area;
-    }
-    if area > 0.0 { power / area } else { Vec3::ZERO }
-}
-
 /// How much one sweep moved.
 #[derive(Default)]
 pub struct Change {

@@ -1,9 +1,9 @@
 //! Lights and cameras that files bring.
 
 use glam::Vec3;
+use selflink::geometry::point_to_polygon;
 use selflink::scene::outside::Daylight;
 use selflink::scene::{Scene, Sidecar, load_file};
-use selflink::transport::point_to_polygon;
 
 use crate::load;
 use crate::support::{Folder, glb, square_bytes, square_json};

@@ -8,14 +8,14 @@ use std::f64::consts::PI;
 
 use glam::Vec3;
 use selflink::base::random::hash64;
-use selflink::geometry::Occluders;
+use selflink::geometry::{Occluders, point_to_polygon};
 use selflink::hierarchy::{ClusteringMode, ElementId, Hierarchy, Shape};
 use selflink::measure::accuracy::closed_forms::{
     Span, parallel_exchange as parallel, perpendicular_exchange as perpendicular,
 };
 use selflink::scene::{GroupId, Scene};
 use selflink::solve::{Solver, SolverParams};
-use selflink::transport::{ClusterModel, Exchange, exchange, point_to_polygon};
+use selflink::transport::{ClusterModel, Exchange, exchange};
 
 use super::support::{MODES, add_box, empty_room, furnished_room, leaves, links, params, received, solve};
 

@@ -15,11 +15,11 @@ use super::grid::{Grid, GridError, WorkPlane};
 use super::lit_mesh::{LitMesh, Met};
 use crate::base::photometry::{LUMENS_PER_WATT, lux};
 use crate::base::random::{cosine_direction, hash64, r2_sequence};
+use crate::geometry::point_to_polygon;
 use crate::hierarchy::point_on_polygon;
 use crate::read::daylight_factor::{NoDaylightFactor, open_ground};
 use crate::scene::{Polygon, Scene};
 use crate::solve::Snapshot;
-use crate::transport::point_to_polygon;
 
 /// Rays by which a point looks around itself over a bare mesh: reflected light of a room comes out
 /// within a percent.

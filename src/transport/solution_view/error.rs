@@ -7,9 +7,10 @@
 //! - *noise*: the standard error of V by so many rays,
 //! - *source*: how much B varies over the source, for the share that F and V vary with it.
 
-use super::super::form_factor::{Exchange, exchange, point_to_polygon};
+use super::super::form_factor::{Exchange, exchange};
 use super::super::link::VisibilitySource;
 use super::{LinkView, SolutionView};
+use crate::geometry::point_to_polygon;
 use crate::hierarchy::{ElementId, Hierarchy, Shape};
 
 /// Share of the kernel's deviation that counts: leaves are shown joined linearly. This and the
