@@ -61,7 +61,7 @@ pub(super) fn build(
 impl Hierarchy {
     /// Lays the elements out breadth first, so that siblings lie together and parents come first.
     fn lay_out(&mut self, scene: &Scene, welded: &[u32], root: Grouping) {
-        let empty_cluster = |parent: u32, level: u16| Element {
+        let empty_cluster = |parent: u32, level: u16, number: usize| Element {
             parent,
             first_child: 0,
             child_count: 0,
@@ -69,9 +69,15 @@ impl Hierarchy {
             sampled_area: 0.0,
             centre: Vec3::ZERO,
             key: 0,
-            shape: Shape::Cluster(Cluster { half_extent: Vec3::ZERO, level, first_patch: 0, patch_count: 0 }),
+            shape: Shape::Cluster(Cluster {
+                half_extent: Vec3::ZERO,
+                level,
+                number: number as u32,
+                first_patch: 0,
+                patch_count: 0,
+            }),
         };
-        self.elements.push(empty_cluster(NO_PARENT, 0));
+        self.elements.push(empty_cluster(NO_PARENT, 0, 0));
         self.cluster_count = 1;
         let mut waiting = VecDeque::from([(0_u32, 0_u16, root)]);
         while let Some((parent, level, grouping)) = waiting.pop_front() {
@@ -79,7 +85,7 @@ impl Hierarchy {
             let child_count = (grouping.groupings.len() + grouping.polygons.len()) as u32;
             for inner in grouping.groupings {
                 waiting.push_back((self.elements.len() as u32, level + 1, inner));
-                self.elements.push(empty_cluster(parent, level + 1));
+                self.elements.push(empty_cluster(parent, level + 1, self.cluster_count));
                 self.cluster_count += 1;
             }
             for index in grouping.polygons {

@@ -69,6 +69,8 @@ pub struct Cluster {
     pub half_extent: Vec3,
     /// Depth below the root, which is level 0.
     pub level: u16,
+    /// Place among the clusters, in the order of the elements.
+    pub number: u32,
     /// First of the initial patches below, in [`Hierarchy::initial_patches`].
     first_patch: u32,
     /// Number of initial patches below.

@@ -105,23 +105,20 @@ impl NormalMoments {
     }
 }
 
-/// The normal moments of all clusters, parallel to the arena.
+/// The normal moments of all clusters, by their numbers.
 pub fn normal_moments(hierarchy: &Hierarchy) -> Vec<NormalMoments> {
-    let elements = hierarchy.elements();
-    let mut normal_moments = vec![NormalMoments::default(); elements.len()];
-    for (index, element) in elements.iter().enumerate().rev() {
-        let (facing, is_initial) = match &element.shape {
-            Shape::Patch(patch) => {
-                (NormalMoments { normal: patch.normal, products: products(patch.normal) }, patch.level == 0)
-            }
-            Shape::Cluster(_) => (normal_moments[index], true),
+    let mut normal_moments = vec![NormalMoments::default(); hierarchy.cluster_count()];
+    for element in hierarchy.elements().iter().rev() {
+        let facing = match &element.shape {
+            Shape::Patch(patch) => NormalMoments { normal: patch.normal, products: products(patch.normal) },
+            Shape::Cluster(cluster) => normal_moments[cluster.number as usize],
             Shape::Sky(_) => continue,
         };
-        let Some(parent) = element.parent().filter(|_| is_initial) else { continue };
-        let parent_area = hierarchy.element(parent).area;
-        if parent_area > 0.0 {
-            let share = element.area / parent_area;
-            let sum = &mut normal_moments[parent.index()];
+        let Some(parent) = element.parent().map(|parent| hierarchy.element(parent)) else { continue };
+        let Shape::Cluster(cluster) = &parent.shape else { continue };
+        if parent.area > 0.0 {
+            let share = element.area / parent.area;
+            let sum = &mut normal_moments[cluster.number as usize];
             sum.normal += share * facing.normal;
             sum.products.iter_mut().zip(facing.products).for_each(|(sum, product)| *sum += share * product);
         }

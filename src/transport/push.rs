@@ -127,23 +127,22 @@ impl<'a> Pusher<'a> {
         rules: &LinkRules,
         nodes: &Nodes,
     ) -> Self {
-        let of_receiver = |receiver: usize| {
-            let receiver = ElementId(receiver as u32);
+        let is_met = |receiver: &ElementId| !links.of(*receiver).is_empty();
+        let receivers: Vec<_> = (0..links.receivers() as u32).map(ElementId).filter(is_met).collect();
+        let of_receiver = |&receiver: &ElementId| {
             let places = links.range(receiver).zip(links.of(receiver));
             places
                 .map(|(place, link)| push_weights(hierarchy, normal_moments, rules, (receiver, link), place))
                 .unzip::<_, _, Vec<_>, Vec<_>>()
         };
-        let per_receiver: Vec<_> = (0..links.receivers()).into_par_iter().with_min_len(64).map(of_receiver).collect();
+        let per_receiver: Vec<_> = receivers.par_iter().with_min_len(64).map(of_receiver).collect();
         let (mut weights, mut link_targets) = (Vec::with_capacity(links.len()), Vec::new());
         for (of_links, targeted) in per_receiver {
             weights.extend(of_links);
             link_targets.extend(targeted.into_iter().flatten());
         }
-        let receivers =
-            || (0..links.receivers() as u32).map(ElementId).filter(|receiver| !links.of(*receiver).is_empty());
         let small_clusters = || {
-            receivers().filter_map(|receiver| match &hierarchy.element(receiver).shape {
+            receivers.iter().filter_map(|&receiver| match &hierarchy.element(receiver).shape {
                 Shape::Cluster(cluster) if meets_each(hierarchy, cluster) && rules.push == Push::Immediate => {
                     Some((receiver, hierarchy.patches_below(cluster)))
                 }
@@ -151,7 +150,9 @@ impl<'a> Pusher<'a> {
             })
         };
         let targets = link_targets.iter().flat_map(|targeted| &targeted.targets);
-        let ends = receivers()
+        let ends = receivers
+            .iter()
+            .copied()
             .chain(links.all().iter().map(Link::source))
             .chain(small_clusters().flat_map(|(_, patches)| patches.iter().copied()))
             .chain(targets.clone().map(|target| target.id()));
@@ -363,7 +364,7 @@ fn collect_targets(
             if is_far && has_harmonics(hierarchy, cluster) {
                 let direction = towards.normalize();
                 targets.push(Target::Cluster(id, direction));
-                return element.area * normal_moments[id.index()].mean_cosine(direction);
+                return element.area * normal_moments[cluster.number as usize].mean_cosine(direction);
             }
             element.children().map(|child| collect_targets(hierarchy, normal_moments, child, from, targets)).sum()
         }
