@@ -113,8 +113,8 @@ fn pointer_probes_and_plane_are_answered() {
     until(&surveyor, "a refusal", |report| report.failure.as_ref().is_some_and(|failure| failure.contains("spacing")));
 }
 
-/// Truth: what is promised. A probe is read to 2 % at first, and settles at an eighth of that while
-/// nobody asks for anything else.
+/// Truth: the documented errors. A probe is read to 2 % at first, and settles at an eighth of that
+/// while nobody asks for anything else.
 #[test]
 fn a_probe_settles_while_one_looks() {
     let (scene, snapshot) = gathered();

@@ -294,7 +294,9 @@ impl Certifying {
             field.hierarchy.point_on(leaf, u, v)
         };
         let mut points = std::iter::once(point).chain((0..TRIES).map(other));
-        points.find(|point| !field.hides(point.position, point.normal, hash64(seed, 7), HIDDEN_RAYS)).unwrap_or(point)
+        points
+            .find(|point| !field.is_enclosed(point.position, point.normal, hash64(seed, 7), HIDDEN_RAYS))
+            .unwrap_or(point)
     }
 
     /// The certificate, once enough points were compared to tell whether the target is kept, or

@@ -384,10 +384,10 @@ impl Field {
     }
 
     /// Whether a point lies inside of something, as so many rays tell.
-    pub(super) fn hides(&self, point: Vec3, normal: Vec3, seed: u64, rays: u32) -> bool {
+    pub(super) fn is_enclosed(&self, point: Vec3, normal: Vec3, seed: u64, rays: u32) -> bool {
         let around = &*self.around;
         EnclosureTest::with_lamps(&around.scene, &around.occluders, around.lamps.clone())
-            .hides(point, normal, seed, rays)
+            .is_enclosed(point, normal, seed, rays)
     }
 
     /// Whether of so many rays from a point at least half meet the backs of faces, or faces that

@@ -159,7 +159,7 @@ impl Oracle<'_> {
     }
 
     /// Whether a stored link that carries no more than it may must be judged again all the same.
-    pub fn is_in_doubt(&self, receiver: ElementId, link: &Link, reasons: RecheckReasons) -> bool {
+    pub fn link_needs_recheck(&self, receiver: ElementId, link: &Link, reasons: RecheckReasons) -> bool {
         let (hierarchy, source) = (self.hierarchy, link.source());
         let max_radiosity = self.max_radiosity[source.index()];
         if max_radiosity <= 0.0 || receiver == source && !reasons.cluster_model {
@@ -180,7 +180,7 @@ impl Oracle<'_> {
     /// was dropped as negligible and is no more, or ε has become finer. To refine only those of its
     /// like that one of a few rays happened to come through, and forget the others, would lose
     /// light.
-    pub fn is_doubtful(&self, occluded: &OccludedPair, reasons: RecheckReasons) -> bool {
+    pub fn occluded_needs_recheck(&self, occluded: &OccludedPair, reasons: RecheckReasons) -> bool {
         if occluded.was_negligible && reasons.more_rays {
             return true;
         }

@@ -39,8 +39,8 @@ fn furnaces_glow_evenly_at_edges() {
         for polygon in 0..scene.polygons.len() as u32 {
             for position in rim(&scene, polygon) {
                 // The undersides of what stands on the floor see nothing.
-                let hides = field.is_shut_in((position, field.normal(polygon)), 1, 64);
-                if hides {
+                let is_enclosed = field.is_shut_in((position, field.normal(polygon)), 1, 64);
+                if is_enclosed {
                     continue;
                 }
                 let found = read(field, polygon, position);

@@ -50,7 +50,7 @@ fn assert_same(found: &Solution, expected: &Solution, what: &str) {
     assert!(found == expected, "{what}: radiosities, links or gathered light differ in their bits");
 }
 
-/// Truth: the promise that a fresh solve is the same, bit for bit, for any number of threads: with
+/// Truth: the guarantee that a fresh solve is the same, bit for bit, for any number of threads: with
 /// clusters of each kind, in a scene of many chunks of work, and gathered, by lamps and by daylight.
 #[test]
 fn threads_do_not_matter() {
