@@ -26,7 +26,7 @@ fn cornell() -> (Arc<Scene>, Arc<Snapshot>) {
     (scene, Arc::new(solver.snapshot()))
 }
 
-/// The same in gathered light.
+/// The Cornell box in gathered light.
 fn gathered() -> (Arc<Scene>, Arc<Snapshot>) {
     let (scene, occluders) = selflink::geometry::orient::apply(BuiltinScene::Cornell.build(), Sides::Front);
     let scene = Arc::new(scene);
@@ -65,7 +65,7 @@ fn what_is_read_is_what_the_snapshot_holds() {
     assert!(lit.under(ray.origin, Vec3::ZERO).is_none() && lit.under(Vec3::splat(f32::NAN), Vec3::X).is_none());
 }
 
-/// What is sent equals emission plus what is reflected of what arrives, at every vertex.
+/// Radiosity is emission plus the reflected part of irradiance, at every vertex.
 #[test]
 fn irradiance_and_radiosity_of_vertices_belong_together() {
     let (scene, snapshot) = cornell();

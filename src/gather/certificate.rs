@@ -353,8 +353,8 @@ impl Certifying {
         points.iter().map(error).collect()
     }
 
-    /// What all reflections after the first one change of the light, as a share of it, with the
-    /// standard error of that.
+    /// Change of the light by all reflections after the first one, as a share of the light, with
+    /// the standard error of that share.
     fn handed_on(&self) -> [f64; 2] {
         let (mut changes, mut lights) = (0.0, 0.0);
         for one in &self.compared {

@@ -176,8 +176,8 @@ impl Field {
         self.irradiance = Arc::new(irradiance);
     }
 
-    /// What each patch reflects of these irradiances of leaves in the mean, ρE, W/m²; both are
-    /// parallel to the arena.
+    /// Light that each patch reflects of these irradiances of leaves in the mean, ρE, W/m²; both
+    /// are parallel to the arena.
     pub(super) fn reflect(&self, irradiance: &[Vec3]) -> Vec<Vec3> {
         let mut reflected = vec![Vec3::ZERO; irradiance.len()];
         let of_leaf = |leaf: &ElementId| self.reflectance(*leaf) * irradiance[leaf.index()].max(Vec3::ZERO);

@@ -68,7 +68,8 @@ impl LinkSolution {
     }
 
     /// Takes out what must be judged again as candidates: links that fail by the present
-    /// radiosities or for a reason to recheck them, and pairs whose occlusion matters more than when it was found.
+    /// radiosities or for a reason to recheck them, and pairs whose occlusion matters more than
+    /// when it was found.
     fn take_failing(&mut self, reasons: RecheckReasons) -> Vec<Candidate> {
         let mut links = std::mem::take(&mut self.links);
         let occluded = std::mem::take(&mut self.refinement.occluded);

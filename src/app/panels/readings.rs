@@ -39,8 +39,8 @@ pub fn show(ui: &mut Ui, display: &mut DisplaySettings, reading: Option<&Reading
     show_range(ui, display, reading);
 }
 
-/// What colours the surfaces; the daylight factor is offered where it is known, and says else why
-/// not.
+/// Chooses the quantity that colours the surfaces; the daylight factor is offered where it is
+/// known, and says else why not.
 fn choose_show(ui: &mut Ui, display: &mut DisplaySettings, none: Option<NoDaylightFactor>) {
     let (before, unit) = (display.reading.show, display.reading.unit);
     let show = &mut display.reading.show;

@@ -48,9 +48,9 @@ pub struct LightEditor {
     pub to_be_seen: Option<glam::Vec3>,
     /// Luminaires that the worker knows of.
     sent: Vec<Luminaire>,
-    /// What lies outside, as it was set.
+    /// Sky and sun, as they were set.
     pub daylight: DaylightEditor,
-    /// What is to become of the faces of a material.
+    /// A material, and whether its faces are kept or left out.
     faces: Option<(String, Faces)>,
     /// In which unit a lamp's strength is shown.
     unit: LampUnit,
