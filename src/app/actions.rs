@@ -73,7 +73,8 @@ pub enum Action {
     Read(Reading),
     /// Reads the scene in view again, since its file has changed.
     Reload,
-    /// Writes the settings file beside the scene; one that is there already only if it `overwrites`.
+    /// Writes the settings file beside the scene; one that is there already only if it
+    /// `overwrites`.
     SaveSettings {
         overwrites: bool,
     },

@@ -80,8 +80,8 @@ impl GatherSamples {
     }
 
     /// Parts of leaves that were split take over the whole looks from where they lie, so that none
-    /// is lost: what few looks met by chance, others missed. Those of leaves that are hidden in part
-    /// begin anew.
+    /// is lost: what few looks met by chance, others missed. Those of leaves that are hidden in
+    /// part begin anew.
     pub fn split(&mut self, field: &Field, leaves: &[ElementId]) {
         let hierarchy = field.hierarchy();
         self.sums.resize(hierarchy.elements().len(), Sums::default());

@@ -53,9 +53,9 @@ fn furnaces_glow_evenly_at_edges() {
     }
 }
 
-/// Truth: a wall that emits 1 W/m² fills the half above its own foot, so the floor there has half of
-/// that; nothing reflects. The foot of a box that stands before it has light in front, by the closed
-/// form of parallel rectangles, and none behind.
+/// Truth: a wall that emits 1 W/m² fills the half above its own foot, so the floor there has half
+/// of that; nothing reflects. The foot of a box that stands before it has light in front, by the
+/// closed form of parallel rectangles, and none behind.
 #[test]
 fn the_foot_of_a_wall_has_half_of_its_light() {
     let mut scene = Scene::new("foot");

@@ -2,8 +2,10 @@
 //! for it (`docs/paper/tried.md`).
 //!
 //! Four parts ([Sillion & Drettakis 95] for mixed sight):
-//! - *kernel*: how much F varies over the receiver, which shows one value (half of it: values are joined linearly),
-//! - *sight*: 2V(1−V), the mean deviation of what is seen or not, for the share that falls on the receiver,
+//! - *kernel*: how much F varies over the receiver, which shows one value (half of it: values are
+//!   joined linearly),
+//! - *sight*: 2V(1−V), the mean deviation of what is seen or not, for the share that falls on the
+//!   receiver,
 //! - *noise*: the standard error of V by so many rays,
 //! - *source*: how much B varies over the source, for the share that F and V vary with it.
 
@@ -217,8 +219,8 @@ mod tests {
     use crate::scene::{GroupId, Scene};
     use crate::solve::{ClusteringMode, Epsilon, Solver, SolverParams};
 
-    /// Error of the link from a lamp to a floor of side 1 below it, off its middle, as a share of the
-    /// link's power.
+    /// Error of the link from a lamp to a floor of side 1 below it, off its middle, as a share of
+    /// the link's power.
     fn error_of_lamp(height: f32, lamp_side: f32) -> f32 {
         let mut scene = Scene::new("floor");
         let mut add = |centre: Vec3, side: f32, reflectance: f32, emission: f32, order: [usize; 4]| {
@@ -241,8 +243,9 @@ mod tests {
         view.error(&link).total() / link.power.x
     }
 
-    /// Truth: from 20 sides away cosθ·cosθ'/d² varies by some 0.3 % over the floor, and 64 free rays
-    /// leave about 1 %; from 0.3 sides, one corner gets more than ten times what the others get.
+    /// Truth: from 20 sides away cosθ·cosθ'/d² varies by some 0.3 % over the floor, and 64 free
+    /// rays leave about 1 %; from 0.3 sides, one corner gets more than ten times what the others
+    /// get.
     #[test]
     fn an_unevenly_lit_floor_has_the_larger_error() {
         let (far, near) = (error_of_lamp(20.0, 1.0), error_of_lamp(0.3, 0.1));
