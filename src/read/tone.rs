@@ -1,5 +1,5 @@
 //! From radiosity in W/m² to a colour on the screen: exposure, filmic tone curve, gamma. Imports
-//! `solve::snapshot`.
+//! `base::photometry` and `solve::snapshot`.
 //!
 //! Exposure: the log-average key of Reinhard et al., "Photographic Tone Reproduction for Digital
 //! Images", SIGGRAPH 2002. Tone curve: the rational fit to the ACES filmic curve of K. Narkowicz,
