@@ -1,4 +1,4 @@
-//! What panels, tools and keys ask for that is not theirs to do: commands to the worker, and
+//! Requests of panels, tools and keys that others carry out: commands to the worker, and
 //! actions of the window.
 
 use egui::Context;

@@ -151,7 +151,7 @@ fn show_range(ui: &mut Ui, display: &mut DisplaySettings, reading: &Reading) {
     let present = [reading.scale.low, reading.scale.high].map(|value| reading.shown_in.per_watt() / factor * value);
     let mut is_locked = settings.range.is_some();
     let hint = "Keeps the range while the light or the scene changes, so that pictures can be compared; otherwise round numbers around \
-                96 % of the area";
+                97 % of the area";
     if ui.checkbox(&mut is_locked, words::LOCK_RANGE).on_hover_text(hint).changed() {
         settings.range = is_locked.then_some(present);
     }

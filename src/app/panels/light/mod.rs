@@ -56,7 +56,7 @@ pub struct LightEditor {
     unit: LampUnit,
 }
 
-/// What is to become of the faces of a material when its file is read again.
+/// Treatment of the faces of a material when its file is read again.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Faces {
     /// Transparent ones stop light.
