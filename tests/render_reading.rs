@@ -143,7 +143,7 @@ fn a_plain_has_no_lines_at_its_own_height() {
     assert!(picture.get_pixel(100, 100) == first && is_near(first.0, scale.colour(2.0)), "{first:?}");
 }
 
-/// Truth: the definition of a range in round numbers around 96 % of the area, lamps aside.
+/// Truth: the definition of a range in round numbers around 97 % of the area, lamps aside.
 #[test]
 fn an_automatic_range_holds_most_of_the_area_in_round_numbers() {
     let mut snapshot = slope();

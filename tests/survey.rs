@@ -26,7 +26,7 @@ fn cornell() -> (Arc<Scene>, Arc<Snapshot>) {
     (scene, Arc::new(solver.snapshot()))
 }
 
-/// The same in gathered light.
+/// The Cornell box in gathered light.
 fn gathered() -> (Arc<Scene>, Arc<Snapshot>) {
     let (scene, occluders) = selflink::geometry::orient::apply(BuiltinScene::Cornell.build(), Sides::Front);
     let scene = Arc::new(scene);
@@ -65,7 +65,7 @@ fn what_is_read_is_what_the_snapshot_holds() {
     assert!(lit.under(ray.origin, Vec3::ZERO).is_none() && lit.under(Vec3::splat(f32::NAN), Vec3::X).is_none());
 }
 
-/// What is sent equals emission plus what is reflected of what arrives, at every vertex.
+/// Radiosity is emission plus the reflected part of irradiance, at every vertex.
 #[test]
 fn irradiance_and_radiosity_of_vertices_belong_together() {
     let (scene, snapshot) = cornell();
@@ -113,8 +113,8 @@ fn pointer_probes_and_plane_are_answered() {
     until(&surveyor, "a refusal", |report| report.failure.as_ref().is_some_and(|failure| failure.contains("spacing")));
 }
 
-/// Truth: what is promised. A probe is read to 2 % at first, and settles at an eighth of that while
-/// nobody asks for anything else.
+/// Truth: the documented errors. A probe is read to 2 % at first, and settles at an eighth of that
+/// while nobody asks for anything else.
 #[test]
 fn a_probe_settles_while_one_looks() {
     let (scene, snapshot) = gathered();

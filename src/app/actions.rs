@@ -1,4 +1,4 @@
-//! What panels, tools and keys ask for that is not theirs to do: commands to the worker, and
+//! Requests of panels, tools and keys that others carry out: commands to the worker, and
 //! actions of the window.
 
 use egui::Context;
@@ -73,7 +73,8 @@ pub enum Action {
     Read(Reading),
     /// Reads the scene in view again, since its file has changed.
     Reload,
-    /// Writes the settings file beside the scene; one that is there already only if it `overwrites`.
+    /// Writes the settings file beside the scene; one that is there already only if it
+    /// `overwrites`.
     SaveSettings {
         overwrites: bool,
     },

@@ -98,7 +98,8 @@ fn run_once(settings: Settings, resumes: bool, was_lost: bool) -> Result<Option<
                 if was_lost {
                     app.messages.note(
                         Topic::Remark,
-                        "The graphics device was lost and is set up anew; the scene is being solved again.".into(),
+                        "The graphics device was lost and has been set up again; the scene is being solved again."
+                            .into(),
                     );
                 }
                 creator_is_open.set(true);

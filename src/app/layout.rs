@@ -29,7 +29,7 @@ pub struct Layout {
     pub is_card_open: bool,
     /// Whether the fold of the method's parameters is to be opened.
     pub opens_method: bool,
-    /// What was shown before a study drew the links of a level over the lit scene, while it goes on.
+    /// Display before a study drew the links of a level over the lit scene, while it goes on.
     pub before_study: Option<(LinksOf, Show)>,
 }
 

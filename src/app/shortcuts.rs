@@ -9,7 +9,7 @@ use crate::app::tools::Tool;
 use crate::app::widgets::theme;
 use crate::app::{panels, words};
 
-/// A key with its modifiers, how it is written, and what it does, in words and in deed.
+/// A key with its modifiers, how it is written, and what it does, in words and as an action.
 type Shortcut = (Key, Modifiers, &'static str, &'static str, Action);
 
 const SHORTCUTS: [Shortcut; 15] = [
@@ -42,17 +42,17 @@ pub fn act(ctx: &Context, view: Option<Id>, outbox: &mut Outbox) {
     if ctx.text_edit_focused() {
         return;
     }
-    let pressed = |input: &egui::InputState| -> Vec<Action> { input.events.iter().filter_map(deed_of).collect() };
+    let pressed = |input: &egui::InputState| -> Vec<Action> { input.events.iter().filter_map(action_of).collect() };
     // Space presses the button that has the focus.
     let is_view_focused = ctx.memory(|memory| memory.focused()).is_none_or(|focused| view == Some(focused));
-    let is_meant = |deed: &Action| *deed != Action::PauseOrRun || is_view_focused;
-    ctx.input(pressed).into_iter().filter(is_meant).for_each(|deed| outbox.act(deed));
+    let is_meant = |action: &Action| *action != Action::PauseOrRun || is_view_focused;
+    ctx.input(pressed).into_iter().filter(is_meant).for_each(|action| outbox.act(action));
 }
 
-fn deed_of(event: &Event) -> Option<Action> {
+fn action_of(event: &Event) -> Option<Action> {
     let Event::Key { key, pressed: true, repeat: false, modifiers, .. } = event else { return None };
     let fits = |(of, with, ..): &&Shortcut| of == key && with.command == modifiers.command && !modifiers.alt;
-    SHORTCUTS.iter().find(fits).map(|(.., deed)| deed.clone())
+    SHORTCUTS.iter().find(fits).map(|(.., action)| action.clone())
 }
 
 /// The list of all keys, over everything, while it is asked for.
@@ -97,15 +97,15 @@ mod tests {
     use super::*;
 
     fn press(key: Key, modifiers: Modifiers) -> Option<Action> {
-        deed_of(&Event::Key { key, physical_key: None, pressed: true, repeat: false, modifiers })
+        action_of(&Event::Key { key, physical_key: None, pressed: true, repeat: false, modifiers })
     }
 
     /// Every shortcut of the table is found by its own keys, so none hides another, and none takes
     /// a key that flies.
     #[test]
     fn each_key_does_one_thing() {
-        for (key, modifiers, name, _, deed) in SHORTCUTS {
-            assert_eq!(press(key, modifiers), Some(deed), "{name}");
+        for (key, modifiers, name, _, action) in SHORTCUTS {
+            assert_eq!(press(key, modifiers), Some(action), "{name}");
             let flies = [Key::W, Key::A, Key::S, Key::D, Key::Q, Key::E, Key::F, Key::Home].contains(&key);
             assert!(!flies, "{name} moves the camera");
         }

@@ -84,7 +84,7 @@ impl Unit {
     }
 }
 
-/// What the values of a reading are shown in.
+/// Unit or scale that the values of a reading are shown in.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum ShownIn {
     /// Light, in a unit.
@@ -97,7 +97,7 @@ pub enum ShownIn {
 }
 
 impl ShownIn {
-    /// What 1 W/m² counts.
+    /// Value that 1 W/m² has in this unit.
     pub fn per_watt(self) -> f32 {
         match self {
             Self::Unit(unit) => unit.per_watt(),

@@ -167,7 +167,7 @@ impl ChartFiles<'_> {
         self.file(ending)?.write_text(text)
     }
 
-    /// Likewise, as PNG.
+    /// Writes a picture of the chart as PNG.
     pub fn picture(&self, ending: &str, picture: &image::RgbImage) -> anyhow::Result<()> {
         self.file(ending)?.write_png(picture)
     }

@@ -40,7 +40,7 @@ pub fn command() -> Command {
         path_arg("out", "FILE.csv")
             .required(true)
             .help(format!(
-                "The points with {ADDED}: irradiance, radiosity and the standard error of E. They stay empty where a point lies on no surface, the error where light is interpolated (--epsilon without --reconstruct gather)"
+                "The points with {ADDED}: irradiance, radiosity and the standard error of E. They stay empty where a point lies on no surface, the error where light is interpolated (--epsilon without --reconstruct final-gather)"
             )),
     )
     .arg(

@@ -28,7 +28,7 @@ pub fn with_options(command: Command) -> Command {
         choice("ramp", &["viridis", "cividis"], "False colours; both can be read by the colour-blind".into()),
         value_arg("range", "A:B")
             .allow_hyphen_values(true)
-            .help("Values at the ends of the false colours [default: round numbers around 96 % of the area]"),
+            .help("Values at the ends of the false colours [default: round numbers around 97 % of the area]"),
         value_arg("isolux", "V,V,…")
             .num_args(0..=1)
             .default_missing_value("")

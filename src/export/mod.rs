@@ -1,8 +1,8 @@
 //! Results as files for other programs, one module a format.
 //!
 //! Lit meshes as [`ply`] and [`glb`], a view in W/m² as [`exr`], links as CSV ([`links`]), settings
-//! as JSON ([`settings`]), scenes for other programs that light them ([`peers`]). Writers write into
-//! whatever takes bytes, those of [`peers`] into a folder; none knows of windows.
+//! as JSON ([`settings`]), scenes for other programs that light them ([`peers`]). Writers write
+//! into whatever takes bytes, those of [`peers`] into a folder; none knows of windows.
 
 pub mod exr;
 pub mod glb;

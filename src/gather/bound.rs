@@ -147,9 +147,9 @@ mod tests {
     }
 
     /// Truth: by hand, against a tenth. Of 64 points 6 beyond the target may still do: with luck
-    /// 0.094 − 0.037, with the added misses 0.062, and 2.24 standard errors of 384 points, 0.015 each.
-    /// 9 of them, 0.097 with luck, may not. Of 384 points 20 do (0.057 + 2.24·0.011), 30 do not
-    /// (0.083 + 2.24·0.014).
+    /// 0.094 − 0.037, with the added misses 0.062, and 2.24 standard errors of 384 points, 0.015
+    /// each. 9 of them, 0.097 with luck, may not. Of 384 points 20 do (0.057 + 2.24·0.011), 30 do
+    /// not (0.083 + 2.24·0.014).
     #[test]
     fn points_are_saved_where_they_would_not_help() {
         let of = |count: usize, beyond: usize| -> Vec<PointError> {

@@ -294,7 +294,9 @@ impl Certifying {
             field.hierarchy.point_on(leaf, u, v)
         };
         let mut points = std::iter::once(point).chain((0..TRIES).map(other));
-        points.find(|point| !field.hides(point.position, point.normal, hash64(seed, 7), HIDDEN_RAYS)).unwrap_or(point)
+        points
+            .find(|point| !field.is_enclosed(point.position, point.normal, hash64(seed, 7), HIDDEN_RAYS))
+            .unwrap_or(point)
     }
 
     /// The certificate, once enough points were compared to tell whether the target is kept, or
@@ -351,8 +353,8 @@ impl Certifying {
         points.iter().map(error).collect()
     }
 
-    /// What all reflections after the first one change of the light, as a share of it, with the
-    /// standard error of that.
+    /// Change of the light by all reflections after the first one, as a share of the light, with
+    /// the standard error of that share.
     fn handed_on(&self) -> [f64; 2] {
         let (mut changes, mut lights) = (0.0, 0.0);
         for one in &self.compared {

@@ -141,8 +141,8 @@ impl Field {
         irradiance(&sums)
     }
 
-    /// What readings of this standard error are off by at a point; it ends at the latest after
-    /// `most_rays` over its square.
+    /// Gathers at a point for a check of readings of this standard error; it ends at the latest
+    /// after `most_rays` over the square of `error`.
     pub fn checked_at(&self, (point, normal): (Vec3, Vec3), error: f32, seed: u64, most_rays: f32) -> Checked {
         let (sums, is_exact) = self.sums(&Place { point, normal, seed, check: Check::Yes }, error, most_rays);
         let [noise, change_noise] =
@@ -191,8 +191,8 @@ impl Field {
     /// Irradiance at a place of a polygon, to a standard error that is this share of the local
     /// light. It depends on the place alone.
     pub fn read(&self, polygon: u32, position: Vec3, error: f32) -> Irradiance {
-        // Off its plane by rounding, a place would lie behind its face; on its edge, rays would pass
-        // the faces that meet there as they pass its own.
+        // Off its plane by rounding, a place would lie behind its face; on its edge, rays would
+        // pass the faces that meet there as they pass its own.
         let position = self.off_edges(polygon, position);
         let position = self.on_plane(self.leaf_at(polygon, position), position);
         let normal = self.normal(polygon);

@@ -176,8 +176,8 @@ impl Field {
         self.irradiance = Arc::new(irradiance);
     }
 
-    /// What each patch reflects of these irradiances of leaves in the mean, ρE, W/m²; both are
-    /// parallel to the arena.
+    /// Light that each patch reflects of these irradiances of leaves in the mean, ρE, W/m²; both
+    /// are parallel to the arena.
     pub(super) fn reflect(&self, irradiance: &[Vec3]) -> Vec<Vec3> {
         let mut reflected = vec![Vec3::ZERO; irradiance.len()];
         let of_leaf = |leaf: &ElementId| self.reflectance(*leaf) * irradiance[leaf.index()].max(Vec3::ZERO);
@@ -384,10 +384,10 @@ impl Field {
     }
 
     /// Whether a point lies inside of something, as so many rays tell.
-    pub(super) fn hides(&self, point: Vec3, normal: Vec3, seed: u64, rays: u32) -> bool {
+    pub(super) fn is_enclosed(&self, point: Vec3, normal: Vec3, seed: u64, rays: u32) -> bool {
         let around = &*self.around;
         EnclosureTest::with_lamps(&around.scene, &around.occluders, around.lamps.clone())
-            .hides(point, normal, seed, rays)
+            .is_enclosed(point, normal, seed, rays)
     }
 
     /// Whether of so many rays from a point at least half meet the backs of faces, or faces that

@@ -24,7 +24,7 @@ struct Member {
     group: u32,
     /// Area that each of its looks stands for, m².
     weight: f32,
-    /// Its light by the links as a multiple of the group's mean.
+    /// Light of the member by the links, as a multiple of the group's mean.
     lit: f32,
 }
 

@@ -48,7 +48,7 @@ pub struct Drawn {
 
 /// The looks of one pass over some leaves; those of a leaf lie side by side.
 #[derive(Default)]
-pub struct Pass {
+pub struct PassSamples {
     pub cosine: usize,
     pub leaves: Vec<ElementId>,
     /// Where the looks of each leaf start; one longer than `leaves`.
@@ -112,7 +112,7 @@ impl Mul<f32> for LightSums {
     }
 }
 
-impl Pass {
+impl PassSamples {
     /// No looks.
     pub fn new() -> Self {
         Self { starts: vec![0], aimed_starts: vec![0], ..Self::default() }
@@ -240,7 +240,7 @@ pub fn draw(field: &Field, leaf: ElementId, rays: GlanceRays, looks: Range<u32>,
         let [u, v, ..] = sobol_burley::sample_4d(look & SEQUENCE, 1, scramble);
         let point = hierarchy.point_on(leaf, u, v);
         let place = (point.position, point.normal);
-        if is_hidden_in_part && field.hides(place.0, place.1, hash64(seed, look.into()), HIDDEN_RAYS) {
+        if is_hidden_in_part && field.is_enclosed(place.0, place.1, hash64(seed, look.into()), HIDDEN_RAYS) {
             drawn.hidden += 1;
             continue;
         }

@@ -51,8 +51,8 @@ pub const USUAL_ERROR: f64 = 0.05;
 
 /// Times that a field is made finer because its error was found above the target.
 const MOST_ATTEMPTS: u32 = 4;
-/// An attempt that leaves more than this of the share beyond the target was in vain, and so would be
-/// the next one.
+/// An attempt that leaves more than this of the share beyond the target was in vain, and so would
+/// be the next one.
 const LEAST_PROGRESS: f64 = 0.9;
 /// Share of the risk that is left which an attempt may take.
 const RISK_OF_ATTEMPT: f64 = 0.5;
@@ -113,7 +113,7 @@ pub struct Gather {
     lit: Vec<f32>,
     /// Leaves that share looks.
     groups: Groups,
-    /// What readers have of each leaf's light, as the former attempt found it.
+    /// Share that each leaf's light has in its readers', as the former attempt found it.
     importance: Importance,
     goal: Goal,
     stage: Stage,

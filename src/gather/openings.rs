@@ -16,14 +16,14 @@ pub(super) const RAYS: u32 = 1 << 17;
 const CELLS: f32 = 64.0;
 /// Rows and columns of a cell's directions: 7° wide.
 const DIRECTIONS: [usize; 2] = [24, 48];
-/// What is seen from anywhere counts as so many rays of a cell.
+/// The openings seen from all cells together count as so many rays of each cell.
 const RAYS_OF_ALL: f32 = 4.0;
 /// Where more of the light comes in than this share, openings are found by any ray.
 const WIDE_OPEN: f64 = 0.5;
 /// Points of a sequence; `sobol_burley` has so many.
 const SEQUENCE: u32 = 1 << 16;
 
-/// What is seen of a sky from the cells of a grid.
+/// Parts of the sky that are seen from the cells of a grid.
 pub(super) struct Openings {
     lower: Vec3,
     /// Cells for each length.

@@ -59,8 +59,8 @@ impl Gather {
         is_done.then_some(end)
     }
 
-    /// Splits the leaves over which light is too uneven, or opens a pass if there are none; `None` if
-    /// cancelled.
+    /// Splits the leaves over which light is too uneven, or opens a pass if there are none; `None`
+    /// if cancelled.
     pub(super) fn refine(&mut self, cancel: &CancelToken) -> Option<()> {
         let mut split = Vec::new();
         if self.round < MOST_ROUNDS {

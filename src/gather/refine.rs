@@ -111,8 +111,8 @@ impl Importance {
         }
     }
 
-    /// What a leaf brings to its readers, of 1 for all: in proportion to its power, before anybody
-    /// read it.
+    /// Share that a leaf has in the light of its readers, 1 for all leaves together: in proportion
+    /// to its power before anybody read it.
     pub fn brought_by<'a>(&'a self, field: &'a Field) -> impl Fn(ElementId) -> f64 + Sync + use<'a> {
         let brought = move |leaf: ElementId| {
             let importance = self.0.get(leaf.index()).copied().unwrap_or(1.0);

@@ -119,7 +119,7 @@ impl<'a> Relighting<'a> {
         if kept > 0.0 { (all / kept).min(MOST_REFUND) as f32 } else { 1.0 }
     }
 
-    /// What each patch reflects of these irradiances of leaves in the mean, ρE, W/m².
+    /// Light that each patch reflects of these irradiances of leaves in the mean, ρE, W/m².
     fn reflect(&self, irradiance: &[Vec3]) -> Vec<Vec3> {
         let of_leaf = |(light, reflectance): (&Vec3, &Vec3)| *reflectance * light.max(Vec3::ZERO);
         let reflected = irradiance.par_iter().zip(&self.reflectance).with_min_len(CHUNK).map(of_leaf);

@@ -6,7 +6,7 @@ use rayon::prelude::*;
 
 use super::field::{Field, grey};
 use super::glance::GlanceRays;
-use super::looks::{Drawn, LightSums, NOTHING, Pass, draw};
+use super::looks::{Drawn, LightSums, NOTHING, PassSamples, draw};
 use crate::base::cancel::CancelToken;
 use crate::hierarchy::ElementId;
 
@@ -34,7 +34,7 @@ pub struct Sums {
 pub struct GatherSamples {
     /// Parallel to the arena.
     sums: Vec<Sums>,
-    passes: Vec<Pass>,
+    passes: Vec<PassSamples>,
     /// Rays cast.
     pub rays: u64,
 }
@@ -63,7 +63,7 @@ impl GatherSamples {
         };
         let drawn: Option<Vec<Drawn>> = queue.par_iter().with_min_len(8).map(draw).collect();
         let Some(drawn) = drawn else { return false };
-        let mut pass = Pass { cosine: rays.cosine as usize, ..Pass::new() };
+        let mut pass = PassSamples { cosine: rays.cosine as usize, ..PassSamples::new() };
         for ((leaf, _), drawn) in queue.iter().zip(drawn) {
             let sums = &mut self.sums[leaf.index()];
             sums.drawn += drawn.hidden;
@@ -80,15 +80,15 @@ impl GatherSamples {
     }
 
     /// Parts of leaves that were split take over the whole looks from where they lie, so that none
-    /// is lost: what few looks met by chance, others missed. Those of leaves that are hidden in part
-    /// begin anew.
+    /// is lost: what few looks met by chance, others missed. Those of leaves that are hidden in
+    /// part begin anew.
     pub fn split(&mut self, field: &Field, leaves: &[ElementId]) {
         let hierarchy = field.hierarchy();
         self.sums.resize(hierarchy.elements().len(), Sums::default());
         let mut is_split = vec![false; self.sums.len()];
         leaves.iter().for_each(|leaf| is_split[leaf.index()] = !field.patch(*leaf).is_hidden_in_part());
         for pass in &mut self.passes {
-            let mut parted = Pass { cosine: pass.cosine, ..Pass::new() };
+            let mut parted = PassSamples { cosine: pass.cosine, ..PassSamples::new() };
             for (place, &leaf) in pass.leaves.iter().enumerate() {
                 if !is_split[leaf.index()] {
                     parted.push_from(pass, place);
@@ -206,7 +206,7 @@ impl GatherSamples {
 
     /// Memory, bytes.
     pub fn bytes(&self) -> usize {
-        self.passes.iter().map(Pass::bytes).sum::<usize>() + size_of_val(&self.sums[..])
+        self.passes.iter().map(PassSamples::bytes).sum::<usize>() + size_of_val(&self.sums[..])
     }
 }
 

@@ -55,7 +55,7 @@ impl<'a> EnclosureTest<'a> {
     /// Whether a point lies inside of something: of so many random rays none meets a bright side,
     /// at least half meet the backs of faces (the others leave the scene), and as many rays to the
     /// lamps are blocked.
-    pub fn hides(&self, point: Vec3, normal: Vec3, seed: u64, rays: u32) -> bool {
+    pub fn is_enclosed(&self, point: Vec3, normal: Vec3, seed: u64, rays: u32) -> bool {
         let mut backs = 0;
         for ray in 0..rays {
             match self.look(point, normal, hash64(seed, 2 * u64::from(ray) + 2)) {

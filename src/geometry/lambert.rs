@@ -1,6 +1,6 @@
 //! Lambert's formula: the form factor from a point to the part of a polygon that lies above its
-//! horizon \[Lambert 1760; Baum, Rushmeier, Winget: *Improving radiosity solutions through the use of
-//! analytically determined form-factors*, SIGGRAPH 1989, eq 9\].
+//! horizon \[Lambert 1760; Baum, Rushmeier, Winget: *Improving radiosity solutions through the use
+//! of analytically determined form-factors*, SIGGRAPH 1989, eq 9\].
 
 use std::f32::consts::{PI, TAU};
 
@@ -32,7 +32,7 @@ impl AboveHorizon {
     /// Corners of a quad that one plane cuts, at most.
     pub const MOST_CORNERS: usize = 5;
 
-    /// What a point with this unit normal has above its horizon of a convex polygon.
+    /// The part of a convex polygon above the horizon of a point with this unit normal.
     pub fn new(point: Vec3, normal: Vec3, polygon: &[Vec3]) -> Self {
         let mut above = Self { corners: [Vec3::ZERO; Self::MOST_CORNERS], count: 0 };
         for (index, &corner) in polygon.iter().enumerate() {
@@ -56,7 +56,7 @@ impl AboveHorizon {
         }
     }
 
-    /// Its corners; none where all lies below the horizon.
+    /// Corners of the part; none where all lies below the horizon.
     #[inline]
     pub fn corners(&self) -> &[Vec3] {
         &self.corners[..self.count]

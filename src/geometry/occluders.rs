@@ -123,7 +123,8 @@ impl Occluders {
         self.sees_after(&mut LastStop::default(), from, to)
     }
 
-    /// The same, asked after other rays that are likely to have been stopped by the same faces.
+    /// Whether two points of faces see each other, as [`Self::sees`]; quicker after other rays that
+    /// are likely to have been stopped by the same faces.
     #[inline]
     pub fn sees_after(&self, last: &mut LastStop, from: (Vec3, Vec3), to: (Vec3, Vec3)) -> bool {
         let span = to.0 - from.0;

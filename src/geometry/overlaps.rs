@@ -113,7 +113,7 @@ fn cut_away(
 /// A polygon as it is looked at here.
 #[derive(Clone)]
 struct Face {
-    /// Its three or four corners; the last stands for a missing one.
+    /// Three or four corners of the face; the last one stands for a missing fourth.
     all: [DVec3; 4],
     count: usize,
     normal: DVec3,

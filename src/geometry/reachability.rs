@@ -171,7 +171,7 @@ fn reachable_points(scene: &Scene, test: &EnclosureTest, index: u32, polygon: &P
             // Anywhere in the quarter: what is as regular as the cells must not meet all their
             // middles.
             let point = point_in(quarter(corners, corner_count, *part), corner_count, uniform(hash64(seed, 1)));
-            !test.hides(point, normal, seed, RAYS)
+            !test.is_enclosed(point, normal, seed, RAYS)
         };
         (0..u32::from(POINTS)).filter(is_reachable).count() as u8
     };

@@ -84,7 +84,7 @@ pub(super) enum Effort {
 /// slower by 5 % and the tree is built in a third of the time.
 const SHARE_IMPROVED: f32 = 0.5;
 const MOST_IMPROVED: f32 = 60_000.0;
-/// The same for few rays.
+/// Share of nodes that are improved where few rays are to come.
 const SHARE_IMPROVED_QUICKLY: f32 = 0.02;
 
 impl Effort {

@@ -6,9 +6,8 @@ use super::grouping::{Grouping, PolygonBounds};
 use crate::scene::Scene;
 
 /// A group with more polygons than this directly inside gets clusters of its own for them, built as
-/// in
-/// [`super::ClusteringMode::Adaptive`]: scanned meshes come as one object of many thousand faces, and its self-link would
-/// ask about every pair of them.
+/// in [`super::ClusteringMode::Adaptive`]: scanned meshes come as one object of many thousand
+/// faces, and its self-link would ask about every pair of them.
 const MOST_DIRECT_POLYGONS: usize = 64;
 
 /// Groups nested deeper than this belong to their ancestor of this depth: files may nest without

@@ -4,7 +4,7 @@
 //! Sillion's unified hierarchy (paper, sections 1.2 and 2.1): a cluster holds clusters and initial
 //! patches, a patch holds only the four patches it was split into. The part above the initial
 //! patches is built once ([`ClusteringMode`]); the part below grows while links are refined
-//! ([`Hierarchy::subdivide`]). This module imports `scene` and `reachability`.
+//! ([`Hierarchy::subdivide`]). This module imports `base`, `scene` and `geometry`.
 
 mod adaptive;
 mod build;

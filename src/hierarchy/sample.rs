@@ -109,8 +109,8 @@ impl Hierarchy {
         ElementPoints { hierarchy: self, sums: sums.unwrap_or(&self.area_sums), id, open }
     }
 
-    /// The point of a patch; where it is hidden in part, found by going down to a leaf, or to a part
-    /// that is not.
+    /// The point of a patch; where it is hidden in part, found by going down to a leaf, or to a
+    /// part that is not.
     fn point_on_patch(&self, mut id: ElementId, mut u: f32, v: f32) -> SurfacePoint {
         loop {
             let element = self.element(id);

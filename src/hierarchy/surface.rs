@@ -29,7 +29,7 @@ pub(super) fn smooth_surfaces(scene: &Scene, vertices: &[Vec3], welded: &[u32]) 
         (a.min(b), a.max(b))
     };
     let cuts: FxHashSet<_> = scene.cut_edges.iter().copied().map(key).collect();
-    let is_seam =
+    let is_cut =
         |from: u32, to: u32| !cuts.is_empty() && cuts.contains(&key([vertices[from as usize], vertices[to as usize]]));
     let face = |index: usize| {
         let corners = scene.polygons[index].corners();
@@ -60,7 +60,7 @@ pub(super) fn smooth_surfaces(scene: &Scene, vertices: &[Vec3], welded: &[u32]) 
                         && third.polygon != other.polygon
                         && third.rises(vertices, from, face.normal + other.normal)
                 };
-                !is_seam(from, to) && !all_with(from, to).chain(all_with(to, from)).any(is_wall)
+                !is_cut(from, to) && !all_with(from, to).chain(all_with(to, from)).any(is_wall)
             };
             all_with(to, from).filter(joined).filter(is_open)
         });

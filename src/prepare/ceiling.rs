@@ -333,8 +333,9 @@ mod tests {
         }
     }
 
-    /// Truth: a room of 4 × 2.7 × 5 m with a lamp of 0.6 m at its middle has room for a panel of
-    /// 1 m along its length, off the walls; its floor of 20 m² wants 300 lx · 20 m² / 0.6 = 10,000 lm.
+    /// Truth: a room of 4 × 2.7 × 5 m with a lamp of 0.6 m at its middle has room for a panel of 1
+    /// m along its length, off the walls; its floor of 20 m² wants 300 lx · 20 m² / 0.6 = 10,000
+    /// lm.
     #[test]
     fn a_first_light_hangs_beside_the_lamp_of_the_file_and_suits_the_room() {
         let mut scene = Scene::new("room");

@@ -1,5 +1,5 @@
 //! From radiosity in W/m² to a colour on the screen: exposure, filmic tone curve, gamma. Imports
-//! `solve::snapshot`.
+//! `base::photometry` and `solve::snapshot`.
 //!
 //! Exposure: the log-average key of Reinhard et al., "Photographic Tone Reproduction for Digital
 //! Images", SIGGRAPH 2002. Tone curve: the rational fit to the ACES filmic curve of K. Narkowicz,
@@ -16,8 +16,8 @@ const KEY: f32 = 0.16;
 const HIGHLIGHT: f32 = 2.5;
 /// Share of the lit area that may be brighter than `HIGHLIGHT`.
 const HIGHLIGHT_AREA: f64 = 0.02;
-/// What is brighter darkens the picture by no more than this: a patch of sun is blown out before
-/// the room around it is black.
+/// Surfaces brighter than that darken the picture by no more than this factor: a patch of sun is
+/// blown out before the room around it is black.
 const MOST_DARKENED: f32 = 4.0;
 /// Shares of the lit area, from the darkest, whose log-average is taken: a few very dark or very
 /// bright leaves do not count.

@@ -1,5 +1,5 @@
-//! What tells the values of a picture: those of isolux lines along them, and the legend of false
-//! colours and lines in the lower left corner.
+//! Values in a picture: those of isolux lines along them, and the legend of false colours and
+//! lines in the lower left corner.
 
 use image::{Rgb, RgbImage, Rgba, RgbaImage, imageops};
 use plotters::backend::BitMapBackend;

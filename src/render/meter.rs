@@ -15,9 +15,9 @@ use crate::solve::snapshot::Snapshot;
 /// Rays in each direction of the view.
 const GRID: [u32; 2] = [32, 20];
 
-/// What sends out less than this share of the light that the scene's surfaces get on the average is
-/// dark: some few rays found a way to it, through a seam. A bright picture of it would show these
-/// rays.
+/// A surface that sends out less than this share of the light that the scene's surfaces get on the
+/// average is dark: some few rays found a way to it, through a gap. A bright picture of it would
+/// show these rays.
 const FAINTEST: f64 = 1e-6;
 /// A view is dark where no more than this share of it is brighter.
 const LIT_SHARE: f64 = 0.1;
@@ -61,7 +61,7 @@ impl LightMeter {
         Self { of_polygons: sums.iter().enumerate().map(mean).collect(), faintest: faintest as f32 }
     }
 
-    /// What exposes a view of the snapshot well; as the whole scene is exposed where nothing lit is
+    /// Exposure that suits a view of the snapshot; that of the whole scene where nothing lit is
     /// seen.
     pub fn exposure(&self, snapshot: &Snapshot, occluders: &Occluders, camera: &Camera, aspect: f32) -> Metered {
         let [columns, rows] = GRID;

@@ -43,8 +43,8 @@ mod tests {
     #[test]
     fn a_cluster_has_the_edges_of_its_box_and_a_patch_its_own() {
         let scene = BuiltinScene::Cornell.build();
-        let exposure = Reachability::default();
-        let hierarchy = Hierarchy::new(&scene, exposure.into(), ClusteringMode::Adaptive, 3);
+        let reachability = Reachability::default();
+        let hierarchy = Hierarchy::new(&scene, reachability.into(), ClusteringMode::Adaptive, 3);
         let edges = element_outline(&hierarchy, Hierarchy::ROOT);
         assert_eq!(edges.len(), 12);
         let (lower, upper) = scene.bounds();

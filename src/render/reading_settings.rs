@@ -93,8 +93,8 @@ impl ReadingSettings {
         Some(Reading { quantity, shown_in, scale, fills: self.show != Show::Lit, isolines })
     }
 
-    /// What the values of range and lines are shown in: a value times the first, with the second
-    /// behind it.
+    /// Factor and sign that the values of range and lines are shown with: a value times the first,
+    /// with the second behind it.
     pub fn factor_and_sign(&self) -> (f32, &'static str) {
         match self.show {
             Show::DaylightFactor => (100.0, "%"),

@@ -37,7 +37,7 @@ pub struct Frame<'a> {
     pub camera: &'a Camera,
     /// How bright.
     pub display: &'a Display,
-    /// What lies behind the scene, where it shines.
+    /// Sky and sun behind the scene, where they shine.
     pub outside: Option<&'a Arc<Outside>>,
     /// A picture of this view and size that was gathered, in place of the mesh.
     pub gathered: Option<&'a Arc<Pixels>>,

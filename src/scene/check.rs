@@ -60,7 +60,7 @@ pub struct Skipped {
 /// A texture that is not used; a grey of one half stands for it.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct UnreadTexture {
-    /// Its name in backquotes, or another way to tell it by.
+    /// Name of the texture in backquotes, or another way to identify it.
     pub name: String,
     /// Why it is not used, and what to do.
     pub problem: String,
@@ -69,7 +69,7 @@ pub struct UnreadTexture {
 /// An extension of glTF that is not read.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct UnreadExtension {
-    /// Its name.
+    /// Name of the extension.
     pub name: String,
     /// Whether the file says that it cannot be shown without.
     pub is_required: bool,

@@ -74,7 +74,7 @@ pub(super) struct DraftFace {
 }
 
 impl DraftFace {
-    /// Its places in [`Draft::corners`] and what goes with them.
+    /// Places of the face's corners in [`Draft::corners`] and what goes with them.
     pub fn corners(&self) -> Range<usize> {
         let first = self.first as usize;
         first..first + self.count as usize

@@ -122,7 +122,7 @@ fn load_bytes_with(path: &Path, bytes: Vec<u8>, files: &dyn SceneFiles, reading:
     Ok(scene)
 }
 
-/// What a file holds, as its format has it.
+/// Reads the content of a file by its format.
 fn read(path: &Path, name: &str, bytes: &[u8], files: &dyn SceneFiles) -> Result<Draft, Fault> {
     if bytes.iter().all(u8::is_ascii_whitespace) {
         return Err(Fault::Empty);

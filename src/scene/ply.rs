@@ -27,7 +27,7 @@ pub(super) fn is_ply(bytes: &[u8]) -> bool {
 /// Reads a PLY file.
 ///
 /// # Errors
-/// What of it cannot be used.
+/// The part of the file that cannot be used.
 pub(super) fn read(name: &str, bytes: &[u8]) -> Result<Draft, Fault> {
     let problem = |problem: String| Fault::Parse("as PLY".into(), problem);
     let mut reader = Reader::new(Cursor::new(bytes));

@@ -94,7 +94,7 @@ const FLAT_LYING: f64 = 0.999;
 /// Share of the area that may do neither by chance.
 const ASKEW: f64 = 0.01;
 
-/// What turned things tell at most.
+/// Most evidence that turned things give.
 const MOST_ASKEW: f64 = 1.5;
 
 /// Words for what lies flat.

@@ -170,7 +170,7 @@ fn reachable_points(hierarchy: &Hierarchy, test: &EnclosureTest, leaf: ElementId
         let seed = hash64(hash64(seed, u64::from(leaf.0)), number);
         let [u, v] = r2_sequence(seed, 0);
         let point = hierarchy.point_on(leaf, u, v);
-        (!test.hides(point.position, point.normal, seed, HIDDEN_RAYS)).then_some(point)
+        (!test.is_enclosed(point.position, point.normal, seed, HIDDEN_RAYS)).then_some(point)
     };
     (0..TRIES).filter_map(point).collect()
 }

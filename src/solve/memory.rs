@@ -30,9 +30,9 @@ const ELEMENT: usize = 3 * 40 + 8 + 36 + 16 + 24;
 const LEAF: usize = 2 * 106 + 51 + 120 + 2 * 53;
 /// Where a window looks, one more picture, and one more copy of the mesh.
 const LEAF_IN_WINDOW: usize = 106 + 53;
-/// Where a window looks, the anatomies of three pictures, and the order of one by sources.
+/// Where a window looks, the solution views of three pictures, and the order of one by sources.
 const LINK_IN_WINDOW: usize = 3 * size_of::<Link>() + 12 + NEW_LINK;
-/// Likewise the light of each, and two copies of the arena.
+/// Where a window looks, the light of three pictures, and two copies of the arena.
 const ELEMENT_IN_WINDOW: usize = 3 * 40 + 2 * 140;
 /// A leaf that a final gather starts with, with its share of the elements above it, and one pass of
 /// the fewest looks.

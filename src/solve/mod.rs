@@ -4,7 +4,7 @@
 //! change parameters or stop in between. Links are refined, light is moved over them, stored links
 //! are judged again, until none fails ([`crate::transport`]); where an error is asked for, light is
 //! then gathered anew over them until a certificate keeps the target error ([`crate::gather`]).
-//! What a changed setting, lamp or material asks for is found by `change` and done by `live`.
+//! The work that a changed setting, lamp or material needs is found by `change` and done by `live`.
 
 mod balance;
 mod change;

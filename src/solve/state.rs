@@ -117,7 +117,7 @@ impl Solver {
             bytes: Bytes {
                 links: links.links().bytes(),
                 elements: links.hierarchy().bytes() + links.light().bytes(),
-                rows: self.gather.as_ref().map_or(0, Gather::bytes),
+                gather_samples: self.gather.as_ref().map_or(0, Gather::bytes),
                 counted: self.counted_bytes(),
                 budget: self.budget_bytes(),
             },

@@ -142,8 +142,9 @@ pub struct Bytes {
     pub links: usize,
     /// Elements with their radiosities, and vertices.
     pub elements: usize,
-    /// The gather: its own leaves, and what its looks found.
-    pub rows: usize,
+    /// The gather: its own leaves, and the samples of its looks.
+    #[serde(rename = "rows")]
+    pub gather_samples: usize,
     /// All that is counted against the budget: scene, solution, and what is made of them meanwhile.
     pub counted: usize,
     /// The memory budget.

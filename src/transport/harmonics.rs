@@ -54,8 +54,9 @@ impl IrradianceHarmonics {
     }
 }
 
-/// What the faces of a cluster reflect of light that reaches all of them alike and of lights from
-/// far away: means over its area of their reflectances ρ, times the terms of such a polynomial.
+/// Reflection of a cluster's faces, of light that reaches all of them alike and of lights from far
+/// away: means over the cluster's area of their reflectances ρ, times the terms of such a
+/// polynomial.
 #[derive(Clone, Copy, Default)]
 pub struct ReflectionMoments {
     constant: Vec3,

@@ -4,12 +4,15 @@
 //! A [`LinkSolution`] owns the elements, the links between them and their light. It does four
 //! things, each of which whoever drives it asks for:
 //!
-//! 1. [`LinkSolution::refine`] judges a part of the pairs that wait (`Oracle`) and applies the verdicts.
-//! 2. [`LinkSolution::converge`] moves light over the stored links until nothing changes ([`Gatherer`]).
-//! 3. [`LinkSolution::recheck`] judges the stored links again, for B has grown; those that fail wait.
+//! 1. [`LinkSolution::refine`] judges a part of the pairs that wait (`Oracle`) and applies the
+//!    verdicts.
+//! 2. [`LinkSolution::converge`] moves light over the stored links until nothing changes
+//!    ([`Gatherer`]).
+//! 3. [`LinkSolution::recheck`] judges the stored links again, for B has grown; those that fail
+//!    wait.
 //! 4. [`LinkSolution::merge_back`] undoes refinement that a coarser threshold does not ask for.
 //!
-//! This module imports `scene`, `geometry` and `hierarchy`.
+//! This module imports `base`, `scene`, `geometry` and `hierarchy`.
 
 mod audit;
 mod bounds;

@@ -23,7 +23,7 @@ pub enum Kind {
     Split,
     /// A patch that was not.
     Leaf,
-    /// What lies outside, where light is as it is.
+    /// Sky or sun, whose light stays as it is.
     Sky,
 }
 

@@ -61,7 +61,7 @@ impl Oracle<'_> {
             (true, true) => max_radiosity_to_a.min(max_radiosity_to_b),
             _ => strongest,
         };
-        let sight = if strongest > 0.0 {
+        let seen = if strongest > 0.0 {
             // Where both directions would be refined anyway, a mixture of seen and blocked rays
             // says all.
             let stop_when_mixed = self.may_split && weakest * bound > self.thresholds.epsilon_partial;
@@ -69,17 +69,17 @@ impl Oracle<'_> {
         } else {
             VisibilityEstimate::unseen(candidate)
         };
-        let mut rays = sight.rays;
+        let mut rays = seen.rays;
         let mut second_look = None;
         let mut decide = |asked: bool, receiver: ElementId, source: ElementId, density: SampleDensity| {
             if !asked {
                 return Decision::NotAsked;
             }
-            let form_factor = self.form_factor(receiver, source, estimate, sight.samples.as_ref());
-            let link = Link::new(source, form_factor, sight.visibility, sight.visibility_source());
-            let mut decision = self.decide(receiver, link, bound, sight.kind);
+            let form_factor = self.form_factor(receiver, source, estimate, seen.samples.as_ref());
+            let link = Link::new(source, form_factor, seen.visibility, seen.visibility_source());
+            let mut decision = self.decide(receiver, link, bound, seen.kind);
             if let Decision::Accept(link) | Decision::AcceptAtGuard(link) = &mut decision
-                && sight.kind == VisibilityKind::Full
+                && seen.kind == VisibilityKind::Full
                 && self.is_chosen_for_clear(link, bound)
             {
                 let samples = second_look.get_or_insert_with(|| {
@@ -90,7 +90,7 @@ impl Oracle<'_> {
                 *link = link.with_visibility(if samples.cast > 0 { samples.visibility() } else { 1.0 });
             }
             if let Decision::Accept(link) | Decision::AcceptAtGuard(link) = &mut decision
-                && let Some(budget) = sight.budget
+                && let Some(budget) = seen.budget
                 && self.model == ClusterModel::Oriented
                 && self.sampler.emits_in_part(self.hierarchy, source)
             {
@@ -107,8 +107,8 @@ impl Oracle<'_> {
         Verdict {
             to_a,
             to_b,
-            visibility: sight.visibility,
-            fully_visible: sight.kind == VisibilityKind::Full,
+            visibility: seen.visibility,
+            fully_visible: seen.kind == VisibilityKind::Full,
             is_negligible: strongest * bound <= self.thresholds.epsilon_partial,
             rays,
         }
@@ -159,7 +159,7 @@ impl Oracle<'_> {
     }
 
     /// Whether a stored link that carries no more than it may must be judged again all the same.
-    pub fn is_in_doubt(&self, receiver: ElementId, link: &Link, reasons: RecheckReasons) -> bool {
+    pub fn link_needs_recheck(&self, receiver: ElementId, link: &Link, reasons: RecheckReasons) -> bool {
         let (hierarchy, source) = (self.hierarchy, link.source());
         let max_radiosity = self.max_radiosity[source.index()];
         if max_radiosity <= 0.0 || receiver == source && !reasons.cluster_model {
@@ -180,7 +180,7 @@ impl Oracle<'_> {
     /// was dropped as negligible and is no more, or ε has become finer. To refine only those of its
     /// like that one of a few rays happened to come through, and forget the others, would lose
     /// light.
-    pub fn is_doubtful(&self, occluded: &OccludedPair, reasons: RecheckReasons) -> bool {
+    pub fn occluded_needs_recheck(&self, occluded: &OccludedPair, reasons: RecheckReasons) -> bool {
         if occluded.was_negligible && reasons.more_rays {
             return true;
         }
@@ -303,12 +303,12 @@ impl Oracle<'_> {
         }
     }
 
-    fn decide(&self, receiver: ElementId, link: Link, bound: f32, sight: VisibilityKind) -> Decision {
+    fn decide(&self, receiver: ElementId, link: Link, bound: f32, kind: VisibilityKind) -> Decision {
         let max_radiosity = self.max_radiosity[link.source().index()];
         if max_radiosity <= 0.0 {
             return Decision::Accept(link.unjudged());
         }
-        let allowed = match sight {
+        let allowed = match kind {
             VisibilityKind::None => return Decision::Reject(Rejection::Occluded),
             VisibilityKind::Full => self.thresholds.epsilon,
             VisibilityKind::Partial | VisibilityKind::Unknown => self.thresholds.epsilon_partial,

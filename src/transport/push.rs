@@ -186,7 +186,7 @@ impl<'a> Pusher<'a> {
         &self.stem
     }
 
-    /// The light that reaches the stem where each link brings `flux`, which is told the place of the
+    /// The light that reaches the stem where each link brings `flux`, which gets the place of the
     /// link's source in the stem; `None` if cancelled.
     pub fn push(&self, flux: &(impl Fn(&Link, usize) -> Vec3 + Sync), cancel: &CancelToken) -> Option<Arrived> {
         let flux_at = &|place: usize| flux(&self.links.all()[place], self.sources[place] as usize);
@@ -258,7 +258,7 @@ impl<'a> Pusher<'a> {
         sum
     }
 
-    /// What reaches an element of the stem: on all of its faces alike, and from far away.
+    /// Light that reaches an element of the stem: on all of its faces alike, and from far away.
     pub fn reaching<'b>(&self, arrived: &'b Arrived, place: usize) -> (Vec3, Option<&'b IrradianceHarmonics>) {
         let is_cluster = self.stem.elements()[place].node.kind == Kind::Cluster;
         let harmonics = arrived.harmonics.get(self.harmonics_of[place] as usize).filter(|_| is_cluster);

@@ -68,23 +68,24 @@ impl LinkSolution {
     }
 
     /// Takes out what must be judged again as candidates: links that fail by the present
-    /// radiosities or are in doubt, and pairs whose occlusion matters more than when it was found.
+    /// radiosities or for a reason to recheck them, and pairs whose occlusion matters more than
+    /// when it was found.
     fn take_failing(&mut self, reasons: RecheckReasons) -> Vec<Candidate> {
         let mut links = std::mem::take(&mut self.links);
         let occluded = std::mem::take(&mut self.refinement.occluded);
         let oracle = self.oracle();
         let failing = links.drain(|receiver, link| match oracle.may_split {
-            true => oracle.must_judge_again(receiver, link) || oracle.is_in_doubt(receiver, link, reasons),
+            true => oracle.must_judge_again(receiver, link) || oracle.link_needs_recheck(receiver, link, reasons),
             false => oracle.is_unjudged(link),
         });
         let of_link = |(receiver, link): (ElementId, Link)| judged_again(receiver, &link, reasons);
-        let (doubtful, believed): (Vec<_>, _) =
-            occluded.into_par_iter().partition(|pair| oracle.is_doubtful(pair, reasons));
-        let doubtful: Vec<Candidate> = doubtful.into_iter().map(|occluded| occluded.pair).collect();
+        let (rechecked, believed): (Vec<_>, _) =
+            occluded.into_par_iter().partition(|pair| oracle.occluded_needs_recheck(pair, reasons));
+        let rechecked: Vec<Candidate> = rechecked.into_iter().map(|occluded| occluded.pair).collect();
         self.links = links;
         self.refinement.occluded = believed;
-        self.refinement.forget_rejections(&doubtful);
-        failing.into_iter().map(of_link).chain(doubtful).collect()
+        self.refinement.forget_rejections(&rechecked);
+        failing.into_iter().map(of_link).chain(rechecked).collect()
     }
 }
 

@@ -66,7 +66,7 @@ impl Stem {
         Self { elements, places }
     }
 
-    /// Its elements, parents first.
+    /// Elements of the stem, parents first.
     pub fn elements(&self) -> &[StemElement] {
         &self.elements
     }

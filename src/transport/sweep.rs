@@ -76,9 +76,9 @@ pub struct Gatherer<'a> {
 
 /// An element on the rim of the stem.
 struct Rim {
-    /// Its place in the stem.
+    /// Place of the element in the stem.
     place: usize,
-    /// What its faces reflect.
+    /// Moments of the reflectances of the element's faces.
     moments: ReflectionMoments,
 }
 
@@ -154,7 +154,8 @@ impl<'a> Gatherer<'a> {
         self.pusher.push(&flux, cancel)
     }
 
-    /// What the rim reflects, each leaf's irradiance scaled by its factor.
+    /// Elements on the rim with the light that they reflect, each leaf's irradiance scaled by its
+    /// factor.
     fn rims(&self, row_scale: &[f32]) -> Vec<Rim> {
         let elements = self.pusher.stem().elements();
         let rim = |place: usize| {

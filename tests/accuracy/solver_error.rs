@@ -13,7 +13,7 @@ use selflink::scene::builtin::BuiltinScene;
 use selflink::solve::{ClusteringMode, Epsilon, Solver, SolverParams};
 use selflink::transport::Push;
 
-/// What must fall.
+/// Error that must fall.
 #[derive(Clone, Copy)]
 enum By {
     /// The RMS over the area.

@@ -132,7 +132,7 @@ fn bad_glb_files() {
     }
 }
 
-/// Truth: every shorter file lacks data that the header promises.
+/// Truth: every shorter file lacks data that the header claims.
 #[test]
 fn every_truncation_of_a_glb_file_is_an_error() {
     let folder = Folder::new();

@@ -137,7 +137,7 @@ fn check_error(error: &LoadError) {
     assert!(!said.chars().any(char::is_control), "one line: {said:?}");
 }
 
-/// What every later layer takes for granted.
+/// Checks everything that later layers take for granted.
 fn check_scene(scene: &Scene) {
     assert!(!scene.polygons.is_empty());
     for polygon in &scene.polygons {

@@ -39,8 +39,8 @@ fn furnaces_glow_evenly_at_edges() {
         for polygon in 0..scene.polygons.len() as u32 {
             for position in rim(&scene, polygon) {
                 // The undersides of what stands on the floor see nothing.
-                let hides = field.is_shut_in((position, field.normal(polygon)), 1, 64);
-                if hides {
+                let is_enclosed = field.is_shut_in((position, field.normal(polygon)), 1, 64);
+                if is_enclosed {
                     continue;
                 }
                 let found = read(field, polygon, position);
@@ -53,9 +53,9 @@ fn furnaces_glow_evenly_at_edges() {
     }
 }
 
-/// Truth: a wall that emits 1 W/m² fills the half above its own foot, so the floor there has half of
-/// that; nothing reflects. The foot of a box that stands before it has light in front, by the closed
-/// form of parallel rectangles, and none behind.
+/// Truth: a wall that emits 1 W/m² fills the half above its own foot, so the floor there has half
+/// of that; nothing reflects. The foot of a box that stands before it has light in front, by the
+/// closed form of parallel rectangles, and none behind.
 #[test]
 fn the_foot_of_a_wall_has_half_of_its_light() {
     let mut scene = Scene::new("foot");

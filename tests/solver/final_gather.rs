@@ -141,7 +141,7 @@ fn the_target_error_is_kept_in_the_seminar_room_slow() {
 }
 
 /// Most of the office's A·|B|² lies within two small shades, a few centimetres from their bulbs:
-/// what is asked for is kept only if no face is in its own shadow, and if bulbs and shades light
+/// the target error is kept only if no face is in its own shadow, and if bulbs and shades light
 /// each other as often as they do.
 #[test]
 fn the_target_error_is_kept_in_the_office() {

@@ -50,8 +50,9 @@ fn assert_same(found: &Solution, expected: &Solution, what: &str) {
     assert!(found == expected, "{what}: radiosities, links or gathered light differ in their bits");
 }
 
-/// Truth: the promise that a fresh solve is the same, bit for bit, for any number of threads: with
-/// clusters of each kind, in a scene of many chunks of work, and gathered, by lamps and by daylight.
+/// Truth: the guarantee that a fresh solve is the same, bit for bit, for any number of threads:
+/// with clusters of each kind, in a scene of many chunks of work, and gathered, by lamps and by
+/// daylight.
 #[test]
 fn threads_do_not_matter() {
     let gathered = SolverParams { error: Some(0.1), ..SolverParams::default() };

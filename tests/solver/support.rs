@@ -28,7 +28,7 @@ pub fn solve(scene: &Scene, params: SolverParams) -> Solver {
     solver
 }
 
-/// The same, with this many threads.
+/// Does some work on this many threads.
 pub fn with_threads<T: Send>(threads: usize, work: impl FnOnce() -> T + Send) -> T {
     rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads are left").install(work)
 }

@@ -78,7 +78,7 @@ impl Recipe {
         scene
     }
 
-    /// The same room as a file may have it.
+    /// The closed room with every face doubled, as a file may have it.
     fn doubled(&self) -> Scene {
         let mut scene = self.plain();
         for index in 0..6 {

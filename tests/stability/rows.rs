@@ -66,7 +66,7 @@ row_tests! {
     colours "colours"
 }
 
-/// Truth: `docs/limits.md` has a section for each row that does not reach what it asks for, named
+/// Truth: `docs/limits.md` has a line for each row that does not reach its requirement, named
 /// by the row, and for no other.
 #[test]
 fn limits_are_listed() {

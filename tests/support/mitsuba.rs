@@ -5,7 +5,7 @@ use glam::{DVec3, Vec3};
 use selflink::measure::reference::SurfacePoint;
 use selflink::scene::Scene;
 
-/// What Mitsuba says of one point.
+/// Mitsuba's light at one point.
 #[derive(Clone, Copy, Debug)]
 pub struct Known {
     /// Position, m.
@@ -14,7 +14,7 @@ pub struct Known {
     pub normal: Vec3,
     /// Irradiance E, W/m².
     pub irradiance: DVec3,
-    /// Its standard error, W/m².
+    /// Standard error of E, W/m².
     pub standard_error: DVec3,
 }
 

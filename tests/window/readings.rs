@@ -235,8 +235,8 @@ fn the_plane_the_tag_and_the_readout_say_when_they_are_of_an_earlier_picture() {
     });
 }
 
-/// Truth: a level plane under the lamp of a closed box gets more light the nearer it is; until it is
-/// measured there, its figures are marked as of before.
+/// Truth: a level plane under the lamp of a closed box gets more light the nearer it is; until it
+/// is measured there, its figures are marked as of before.
 #[test]
 fn another_height_of_the_work_plane_is_measured_again() {
     let mut window = cornell();

@@ -22,8 +22,8 @@ pub const CONTROLS: [(&str, &str); 11] = [
 /// Draws the section.
 pub fn show(ui: &mut Ui, are_keys_shown: &mut bool) {
     Grid::new("controls").num_columns(2).spacing([16.0, 3.0]).show(ui, |ui| {
-        for (deed, effect) in CONTROLS {
-            ui.label(deed);
+        for (gesture, effect) in CONTROLS {
+            ui.label(gesture);
             ui.label(theme::weak(effect));
             ui.end_row();
         }

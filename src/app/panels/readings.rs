@@ -39,8 +39,8 @@ pub fn show(ui: &mut Ui, display: &mut DisplaySettings, reading: Option<&Reading
     show_range(ui, display, reading);
 }
 
-/// What colours the surfaces; the daylight factor is offered where it is known, and says else why
-/// not.
+/// Chooses the quantity that colours the surfaces; the daylight factor is offered where it is
+/// known, and says else why not.
 fn choose_show(ui: &mut Ui, display: &mut DisplaySettings, none: Option<NoDaylightFactor>) {
     let (before, unit) = (display.reading.show, display.reading.unit);
     let show = &mut display.reading.show;
@@ -151,7 +151,7 @@ fn show_range(ui: &mut Ui, display: &mut DisplaySettings, reading: &Reading) {
     let present = [reading.scale.low, reading.scale.high].map(|value| reading.shown_in.per_watt() / factor * value);
     let mut is_locked = settings.range.is_some();
     let hint = "Keeps the range while the light or the scene changes, so that pictures can be compared; otherwise round numbers around \
-                96 % of the area";
+                97 % of the area";
     if ui.checkbox(&mut is_locked, words::LOCK_RANGE).on_hover_text(hint).changed() {
         settings.range = is_locked.then_some(present);
     }

@@ -65,7 +65,7 @@ fn rows(stats: &Stats) -> Vec<(&'static str, String)> {
         ("Time: total", format::seconds(stats.seconds.total)),
         ("Memory: links", format::bytes(stats.bytes.links)),
         ("Memory: elements", format::bytes(stats.bytes.elements)),
-        ("Memory: gather samples", format::bytes(stats.bytes.rows)),
+        ("Memory: gather samples", format::bytes(stats.bytes.gather_samples)),
         ("Emitted, sum of channels", format::quantity(stats.emitted_watts, "W")),
         ("Absorbed, sum of channels", format::quantity(stats.absorbed_watts, "W")),
     ];

@@ -1,4 +1,4 @@
-//! What happened in the step of the solve that is in view, in a few words over it: for whoever
+//! The event of the step of the solve that is in view, in a few words over it: for whoever
 //! studies the method.
 
 use egui::{Align2, Rect, Ui};

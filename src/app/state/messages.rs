@@ -15,7 +15,7 @@ enum Kind {
     Note,
 }
 
-/// Deed that a sentence is about. The outcome of a later one takes the place of the former's.
+/// Action that a sentence is about. The outcome of a later one takes the place of the former's.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Topic {
     /// Reading a scene.
@@ -62,7 +62,7 @@ impl Messages {
         self.entries.retain(|entry| entry.kind != Kind::Error);
     }
 
-    /// Takes back what was said of a deed that has succeeded since, or is being tried again.
+    /// Withdraws the sentence about an action that has succeeded since, or is being tried again.
     pub fn resolve(&mut self, topic: Topic) {
         self.entries.retain(|entry| entry.topic != topic);
     }

@@ -72,7 +72,7 @@ impl History {
         }
     }
 
-    /// Takes what is set now as no person's doing: there is nothing to take back.
+    /// Takes what is set now as no person's doing: there is nothing to undo.
     pub fn take_as_given(&mut self, settings: Undoable) {
         self.now = Some(settings);
     }

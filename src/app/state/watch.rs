@@ -148,7 +148,7 @@ impl Watched {
     }
 
     /// Takes up another look. What differs is believed when it looks alike twice: a file that is
-    /// being written grows, and one that is being replaced is gone for a moment. Told once.
+    /// being written grows, and one that is being replaced is gone for a moment. Reported once.
     fn look(&mut self, now: FileStamp) -> Option<News> {
         let is_settled = now == self.last;
         self.last = now;

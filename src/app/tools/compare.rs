@@ -18,7 +18,7 @@ const NAME_WIDTH: f32 = 112.0;
 /// Numbers that differ by less than this share are alike.
 const WORTH_TELLING: f64 = 0.01;
 
-/// What the view can show, with names and hints.
+/// Choices of what the view shows, with names and hints.
 const SIDES: [(Sides, &str, &str); 4] = [
     (
         Sides::Split,

@@ -1,4 +1,4 @@
-//! What the eye sees of points in the room, and where they lie in the view.
+//! Which points of the room the eye sees, and where they lie in the view.
 
 use egui::{Pos2, Rect, pos2, vec2};
 use glam::{Mat4, Vec3};

@@ -10,7 +10,7 @@ const FRAMES: u8 = 4;
 /// A first view, taken up or not.
 #[derive(Default)]
 pub struct FirstView {
-    /// Its pose, where it is not the scene's start.
+    /// Pose of the first view, where it is not the scene's start.
     pose: Option<CameraPose>,
     /// The camera as it was made last, and frames in which it may be made anew.
     made: Option<(Camera, u8)>,

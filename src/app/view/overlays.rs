@@ -9,7 +9,7 @@ pub const MARGIN: f32 = 10.0;
 /// Room between two overlays, points.
 const GAP: f32 = 6.0;
 
-/// What lies over the view in this frame, by name.
+/// Cards and legends over the view in this frame, by name.
 #[derive(Default)]
 pub struct Overlays {
     taken: Vec<(&'static str, Rect)>,

@@ -18,7 +18,7 @@ use crate::solve::Snapshot;
 #[derive(Clone)]
 pub struct Picture {
     pub snapshot: Arc<Snapshot>,
-    /// What lies behind the scene.
+    /// Sky and sun behind the scene.
     pub outside: Option<Arc<Outside>>,
     pub camera: Camera,
     pub display: Display,

@@ -1,7 +1,7 @@
 //! Cuts: large surfaces are cut where a wall stands on them, so that no patch lies in two rooms.
 //!
 //! Refinement splits a patch in the middle of its edges, wherever walls stand. The leaves under the
-//! foot of a wall would lie on both of its sides and show one light: a bright seam in the dark
+//! foot of a wall would lie on both of its sides and show one light: a bright line in the dark
 //! room. This is the discontinuity of order zero of [Heckbert 92; Lischinski, Tampieri, Greenberg
 //! 92], which is cheap to find: the lines in which other faces meet a surface.
 //!
@@ -36,7 +36,7 @@ const COVERED: f64 = 0.5;
 /// along its rim parts no rooms.
 const LEAST_SIDE: f64 = 0.05;
 /// An edge that is covered to this share parts what is shown on its sides.
-const SEAM: f64 = 0.999;
+const DISCONTINUOUS: f64 = 0.999;
 /// Things nearer than this share of the scene's diagonal touch: a millimetre in a room of ten
 /// metres.
 const TOUCHING: f64 = 1e-4;
@@ -173,7 +173,7 @@ impl Cutter<'_> {
                 crossed.extend(sides.crossed);
                 let [(low, has_low), (high, has_high)] =
                     [(sides.below, sides.has_below), (sides.above, sides.has_above)];
-                if let Some(edge) = sides.cut.filter(|edge| line.covers(edge) >= SEAM) {
+                if let Some(edge) = sides.cut.filter(|edge| line.covers(edge) >= DISCONTINUOUS) {
                     edges.push(edge);
                 }
                 if has_low {

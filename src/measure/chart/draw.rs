@@ -346,11 +346,11 @@ fn path_tracer_points(chart: &Chart) -> usize {
     chart.path_tracer.first().map_or(0, |record| record.points)
 }
 
-/// What a part of a chart comes to.
+/// Result of drawing a part of a chart.
 pub(super) type Drawn<B, T> = Result<T, DrawingAreaErrorKind<<B as DrawingBackend>::ErrorType>>;
 
-/// Writes the headings of a chart; gives the area of its plot and, beside it, that of its legend: no
-/// corner of the plot is free in every chart.
+/// Writes the headings of a chart; gives the area of its plot and, beside it, that of its legend:
+/// no corner of the plot is free in every chart.
 pub(super) fn headed<B: DrawingBackend>(
     root: &DrawingArea<B, Shift>,
     title: String,

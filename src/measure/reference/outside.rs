@@ -16,7 +16,7 @@ const BANDS: usize = 96;
 const CELLS: usize = 192;
 /// Samples of the sky along each side of a cell.
 const SAMPLES: usize = 4;
-/// Share of the drawn directions that heed no cell's brightness: a sample may miss what shines.
+/// Share of the drawn directions that heed no cell's brightness: a sample may miss a bright place.
 const EVENLY: f64 = 0.1;
 
 /// Sky and sun of a scene.

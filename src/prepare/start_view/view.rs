@@ -11,7 +11,7 @@ use crate::scene::CameraPose;
 const NEARLY_LONGEST: f32 = 0.5;
 /// Rays by which views are compared, across and up.
 const VIEWED: [usize; 2] = [15, 9];
-/// What is nearer hides things, m.
+/// Things nearer than this hide others, m.
 const NEAR: f32 = 1.0;
 /// A view of which a smaller share is neither near nor dark shows nothing.
 const LEAST_CLEAR: f32 = 0.3;
@@ -45,7 +45,7 @@ impl View {
     }
 }
 
-/// What a view shows.
+/// Content of a view.
 #[derive(Clone, Copy, Default)]
 pub(super) struct ViewContent {
     /// How many surfaces, each as far as it is in the middle.
@@ -103,7 +103,7 @@ impl Rooms<'_> {
         views.into_iter().reduce(View::better)
     }
 
-    /// What is seen of the scene from outside, from the front, the right and above.
+    /// Content of the view of the scene from outside, from the front, the right and above.
     pub(super) fn content_from_outside(&self) -> ViewContent {
         let (lower, upper) = self.scene.bounds();
         let back = if self.up.z.abs() > 0.5 { -Vec3::Y } else { Vec3::Z };
@@ -126,7 +126,7 @@ impl Rooms<'_> {
         steps.find(|eye| is_clear(*eye)).unwrap_or(stand.eye)
     }
 
-    /// What is seen; things behind windows are no farther than a room is long.
+    /// Content of a view; things behind windows count as no farther than a room is long.
     fn content(&self, eye: Vec3, ahead: Vec3, room: f32) -> ViewContent {
         let [columns, rows] = VIEWED;
         let right = ahead.cross(self.up).normalize_or_zero();

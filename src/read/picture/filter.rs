@@ -345,7 +345,8 @@ mod tests {
         let shares = Filter::PICTURE.share(&visible, &light, &CancelToken::new()).unwrap();
         let off = |(share, light): (&Share, &f32)| (share.irradiance.x / light - 1.0).abs();
         let worst = shares.iter().zip(&rising).map(off).fold(0.0, f32::max);
-        // Ends of the slope's own samples and its caution leave 1.0 %; of means alone, 9 % are left.
+        // Ends of the slope's own samples and its caution leave 1.0 %; of means alone, 9 % are
+        // left.
         assert!(worst < 0.015, "off by {:.2} %", 100.0 * worst);
     }
 }

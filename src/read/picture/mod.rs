@@ -9,8 +9,8 @@
 //! Passes are repeated where the noise is still above what was asked for; the filter narrows as it
 //! falls, so that the picture converges.
 //!
-//! Imports `gather`, `scene`, `hierarchy`, `photometry` and `tone`; knows neither windows nor
-//! graphics adapters.
+//! Imports `base`, `scene`, `hierarchy`, `gather`, `solve` and the rest of `read`; knows neither
+//! windows nor graphics adapters.
 
 mod develop;
 mod filter;

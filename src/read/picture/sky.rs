@@ -9,7 +9,7 @@ use super::{Lens, ground};
 use crate::read::tone::{encode_gamma, tone_curve};
 use crate::scene::outside::Outside;
 
-/// What is seen where nothing of the scene is, gamma-encoded, rows from above, with an exposure
+/// The picture where nothing of the scene is seen, gamma-encoded, rows from above, with an exposure
 /// (m²/W): the sky, and the usual ground where it is black.
 pub fn sky_behind(outside: &Outside, lens: &Lens, exposure: f32, [width, height]: [u32; 2]) -> Vec<[u8; 4]> {
     let mut pixels = vec![[0, 0, 0, 255]; width as usize * height as usize];

@@ -17,7 +17,7 @@ struct Place {
 /// The transform of each node into the space of its parent, by the document of a file.
 ///
 /// # Errors
-/// What is not as the format says.
+/// Nodes that are not as the format says.
 pub(super) fn parents_from_nodes(json: &Value) -> Result<Vec<DMat4>, String> {
     let place = |node: &Value| {
         let place = Place::deserialize(node);

@@ -59,7 +59,7 @@ impl LuminanceDistribution {
         }
     }
 
-    /// Its formula under a sun of this elevation (radians).
+    /// Formula of the sky under a sun of this elevation (radians).
     pub(super) fn under_sun(self, elevation: f64) -> Formula {
         match self {
             Self::Uniform => Formula::Uniform,

@@ -51,7 +51,7 @@ pub enum DaylightError {
     /// A day that its month does not have.
     #[error("the sun's date is in a month of {days} days: choose one of them (it is `{text}`)")]
     Day {
-        /// What was given.
+        /// Date as it was given.
         text: String,
         /// Days of the month.
         days: i32,

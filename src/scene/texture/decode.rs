@@ -174,7 +174,7 @@ fn pixels_of(bytes: &[u8], format: Format) -> Result<u64, String> {
     }
     if pixels > PIXELS_OF_ONE_COLOUR.max(PIXELS_PER_BYTE * bytes.len() as u64) {
         let bytes = bytes.len();
-        return Err(format!("it promises {width} × {height} pixels in {bytes} bytes; export it again"));
+        return Err(format!("it claims {width} × {height} pixels in {bytes} bytes; export it again"));
     }
     Ok(pixels)
 }
@@ -208,7 +208,7 @@ mod tests {
         };
         assert_eq!(pixels_of(&gif(4096, 4096), Format::Image(ImageFormat::Gif)), Ok(1 << 24));
         let said = pixels_of(&gif(15_000, 8000), Format::Image(ImageFormat::Gif)).expect_err("too many");
-        assert!(said.contains("promises 15000 × 8000 pixels"), "{said}");
+        assert!(said.contains("claims 15000 × 8000 pixels"), "{said}");
     }
 
     /// Truth: counted by hand; each picture has two pixels.

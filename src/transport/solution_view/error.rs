@@ -1,9 +1,11 @@
 //! Error of a link, estimated for views from what is known of the link; refinement does not ask
 //! for it (`docs/paper/tried.md`).
 //!
-//! Four parts ([Sillion & Drettakis 95] for mixed sight):
-//! - *kernel*: how much F varies over the receiver, which shows one value (half of it: values are joined linearly),
-//! - *sight*: 2V(1−V), the mean deviation of what is seen or not, for the share that falls on the receiver,
+//! Four parts ([Sillion & Drettakis 95] for mixed visibility):
+//! - *kernel*: how much F varies over the receiver, which shows one value (half of it: values are
+//!   joined linearly),
+//! - *visibility*: 2V(1−V), the mean deviation of what is seen or not, for the share that falls on
+//!   the receiver,
 //! - *noise*: the standard error of V by so many rays,
 //! - *source*: how much B varies over the source, for the share that F and V vary with it.
 
@@ -38,7 +40,7 @@ pub struct LinkError {
     /// Kernel over the receiver.
     pub kernel: f32,
     /// Visibility over the receiver.
-    pub sight: f32,
+    pub visibility: f32,
     /// Visibility by few rays.
     pub noise: f32,
     /// Radiosity over the source.
@@ -48,7 +50,7 @@ pub struct LinkError {
 impl LinkError {
     /// All causes as independent ones, W.
     pub fn total(&self) -> f32 {
-        (self.kernel.powi(2) + self.sight.powi(2) + self.noise.powi(2) + self.source.powi(2)).sqrt()
+        (self.kernel.powi(2) + self.visibility.powi(2) + self.noise.powi(2) + self.source.powi(2)).sqrt()
     }
 }
 
@@ -60,17 +62,17 @@ impl SolutionView {
         let (hierarchy, receiver, source) = (&*self.hierarchy, link.receiver, link.source);
         let max_radiosity = self.radiosity(source).max_element();
         if receiver == source {
-            return LinkError { sight: max_radiosity * hierarchy.element(source).area, ..LinkError::default() };
+            return LinkError { visibility: max_radiosity * hierarchy.element(source).area, ..LinkError::default() };
         }
         if max_radiosity <= 0.0 {
             return LinkError::default();
         }
         let Exchange::Facing { estimate, bound, overlapping } = exchange(hierarchy, receiver, source) else {
             // One end lies behind the other: all that the link carries is wrong.
-            return LinkError { sight: link.power.max_element(), ..LinkError::default() };
+            return LinkError { visibility: link.power.max_element(), ..LinkError::default() };
         };
         if overlapping && bound > estimate {
-            return LinkError { sight: TOUCHING_WEIGHT * max_radiosity * bound, ..LinkError::default() };
+            return LinkError { visibility: TOUCHING_WEIGHT * max_radiosity * bound, ..LinkError::default() };
         }
         let power = max_radiosity * estimate;
         let (seen, noise) = seen_and_noise(link);
@@ -86,12 +88,12 @@ impl SolutionView {
             Shape::Patch(_) => kernel_variation(hierarchy, source, receiver),
             Shape::Sky(_) => OVER_SKY,
         };
-        let with_sight = (over_source.powi(2) + (1.0 - seen) / seen.max(1e-6)).sqrt().min(1.0);
+        let with_visibility = (over_source.powi(2) + (1.0 - seen) / seen.max(1e-6)).sqrt().min(1.0);
         LinkError {
             kernel: KERNEL_WEIGHT * power * at_least * kernel_variation(hierarchy, receiver, source),
-            sight: power * 2.0 * at_least * (1.0 - at_least) * share,
+            visibility: power * 2.0 * at_least * (1.0 - at_least) * share,
             noise: NOISE_WEIGHT * power * noise,
-            source: SOURCE_WEIGHT * power * at_least * uneven * with_sight,
+            source: SOURCE_WEIGHT * power * at_least * uneven * with_visibility,
         }
     }
 
@@ -217,8 +219,8 @@ mod tests {
     use crate::scene::{GroupId, Scene};
     use crate::solve::{ClusteringMode, Epsilon, Solver, SolverParams};
 
-    /// Error of the link from a lamp to a floor of side 1 below it, off its middle, as a share of the
-    /// link's power.
+    /// Error of the link from a lamp to a floor of side 1 below it, off its middle, as a share of
+    /// the link's power.
     fn error_of_lamp(height: f32, lamp_side: f32) -> f32 {
         let mut scene = Scene::new("floor");
         let mut add = |centre: Vec3, side: f32, reflectance: f32, emission: f32, order: [usize; 4]| {
@@ -241,8 +243,9 @@ mod tests {
         view.error(&link).total() / link.power.x
     }
 
-    /// Truth: from 20 sides away cosθ·cosθ'/d² varies by some 0.3 % over the floor, and 64 free rays
-    /// leave about 1 %; from 0.3 sides, one corner gets more than ten times what the others get.
+    /// Truth: from 20 sides away cosθ·cosθ'/d² varies by some 0.3 % over the floor, and 64 free
+    /// rays leave about 1 %; from 0.3 sides, one corner gets more than ten times what the others
+    /// get.
     #[test]
     fn an_unevenly_lit_floor_has_the_larger_error() {
         let (far, near) = (error_of_lamp(20.0, 1.0), error_of_lamp(0.3, 0.1));

@@ -49,7 +49,7 @@ struct Preset {
 /// Daylight that is being set.
 #[derive(Clone, Debug, Default)]
 pub struct DaylightEditor {
-    /// What was set.
+    /// Sky and sun as they were set.
     pub spec: Daylight,
     /// The sky as it is being written.
     text: String,

@@ -67,7 +67,7 @@ fn in_watts(power: Vec3) -> String {
     format!("{} (sum of channels), {} (strongest channel)", watts(power.element_sum()), watts(power.max_element()))
 }
 
-/// What a file says of a point or spot light.
+/// Data of a point or spot light as its file has them.
 fn as_in_file(light: &FileLight) -> String {
     let candelas = format::quantity(light.candelas.max_element().into(), "cd");
     let range = light.range.map(|range| format!(", range {}", format::quantity(range.into(), "m")));

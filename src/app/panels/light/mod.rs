@@ -48,15 +48,15 @@ pub struct LightEditor {
     pub to_be_seen: Option<glam::Vec3>,
     /// Luminaires that the worker knows of.
     sent: Vec<Luminaire>,
-    /// What lies outside, as it was set.
+    /// Sky and sun, as they were set.
     pub daylight: DaylightEditor,
-    /// What is to become of the faces of a material.
+    /// A material, and whether its faces are kept or left out.
     faces: Option<(String, Faces)>,
     /// In which unit a lamp's strength is shown.
     unit: LampUnit,
 }
 
-/// What is to become of the faces of a material when its file is read again.
+/// Treatment of the faces of a material when its file is read again.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Faces {
     /// Transparent ones stop light.

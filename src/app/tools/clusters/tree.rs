@@ -26,7 +26,7 @@ enum PowerShown {
     Sent,
 }
 
-/// What the powers mean.
+/// Meanings of the powers, as tooltips.
 const RECEIVED: &str = "Power that arrives, E·A, sum of the channels, W";
 const SENT: &str = "Power that leaves, B·A, sum of the channels, W";
 

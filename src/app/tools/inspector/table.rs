@@ -236,7 +236,7 @@ fn show_details(ui: &mut Ui, subject: &Subject<'_>, direction: Direction, link: 
     ui.label(format!(
         "error of the strongest channel by kernel {}, visibility {}, rays {}, source {}",
         watts(error.kernel),
-        watts(error.sight),
+        watts(error.visibility),
         watts(error.noise),
         watts(error.source)
     ));

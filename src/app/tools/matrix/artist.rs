@@ -24,7 +24,7 @@ pub struct Order {
     pub request: Request,
     /// Whether the whole square is wanted as well.
     pub wants_whole: bool,
-    /// What an earlier picture of this look found out.
+    /// Facts and colours that an earlier picture of this kind found.
     pub known: Option<(Facts, Arc<Palette>)>,
 }
 
