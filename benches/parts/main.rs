@@ -163,17 +163,22 @@ fn two_threads(table: &mut Table) {
         let (scene, sides) = (tower.clone(), tower.sides);
         seconds(|| pool.install(|| selflink::geometry::orient::apply(scene, sides)))
     };
-    let of = |pool: &ThreadPool, part: fn(&mut Solver) -> f64| part(&mut office.solve(by_error(0.1), pool));
+    let (prepared, occluders) = selflink::geometry::orient::apply(tower.clone(), tower.sides);
+    let (prepared, occluders) = (Arc::new(prepared), Arc::new(occluders));
+    let unsolved = || Solver::new(prepared.clone(), occluders.clone(), by_epsilon(), 0).expect("usable parameters");
+    let clusters = |pool: &ThreadPool| pool.install(|| seconds(unsolved));
     let mesh = |pool: &ThreadPool| {
-        let mut solver = office.solve(by_error(0.1), pool);
+        let mut solver = unsolved();
         pool.install(|| seconds(|| solver.snapshot()))
     };
-    let parts: [Part; 5] = [
-        ("preparing a scene", &prepare),
-        ("refinement", &|pool| of(pool, |solver| solver.stats().seconds.refine)),
-        ("light over links", &|pool| of(pool, |solver| solver.stats().seconds.gather)),
-        ("final gather", &|pool| of(pool, |solver| solver.stats().seconds.reconstruct)),
-        ("mesh of a picture", &mesh),
+    let fine = SolverParams { epsilon: Epsilon::Relative(1e-4), ..SolverParams::default() };
+    let parts: [Part; 6] = [
+        ("preparing a tower of 100,000 polygons", &prepare),
+        ("its clusters", &clusters),
+        ("its first mesh and picture", &mesh),
+        ("refinement of the office, ε = 1e-4", &|pool| office.solve(fine, pool).stats().seconds.refine),
+        ("light over its links", &|pool| office.solve(fine, pool).stats().seconds.gather),
+        ("final gather of the office, 10 %", &|pool| office.solve(by_error(0.1), pool).stats().seconds.reconstruct),
     ];
     for (name, part) in parts {
         let [one, two] = medians([&|| part(&pools[0]), &|| part(&pools[1])]);
