@@ -8,9 +8,6 @@
 //! widely than indirect light, and only then come reflectance, exposure and the mean over a pixel.
 //! Passes are repeated where the noise is still above what was asked for; the filter narrows as it
 //! falls, so that the picture converges.
-//!
-//! Imports `gather`, `scene`, `hierarchy`, `photometry` and `tone`; knows neither windows nor
-//! graphics adapters.
 
 mod develop;
 mod filter;
