@@ -1,5 +1,4 @@
-//! From radiosity in W/m² to a colour on the screen: exposure, filmic tone curve, gamma. Imports
-//! `solve::snapshot`.
+//! From radiosity in W/m² to a colour on the screen: exposure, filmic tone curve, gamma.
 //!
 //! Exposure: the log-average key of Reinhard et al., "Photographic Tone Reproduction for Digital
 //! Images", SIGGRAPH 2002. Tone curve: the rational fit to the ACES filmic curve of K. Narkowicz,
@@ -155,34 +154,16 @@ mod tests {
     use std::sync::Arc;
 
     use super::*;
-    use crate::hierarchy::ElementId;
-    use crate::scene::MaterialId;
     use crate::solve::snapshot::{Leaf, Mesh};
-    use crate::solve::stats::Stats;
 
     /// Leaves by area, radiosity and irradiance, grey.
     fn snapshot(leaves: &[(f32, f32, f32)]) -> Snapshot {
-        let leaf = |&(area, ..): &(f32, f32, f32)| Leaf {
-            element: ElementId(1),
-            polygon: 0,
-            material: MaterialId(0),
-            area,
-            reachable_area: area,
-            level: 0,
-        };
+        let leaf = |&(area, ..): &(f32, f32, f32)| Leaf { area, reachable_area: area, ..Leaf::square_metre(1, 0) };
         Snapshot {
-            generation: 1,
-            serial: 1,
             mesh: Arc::new(Mesh { leaves: leaves.iter().map(leaf).collect(), ..Mesh::default() }),
-            vertex_radiosity: Vec::new(),
-            vertex_irradiance: Vec::new(),
             leaf_irradiance: leaves.iter().map(|leaf| [leaf.2; 3]).collect(),
             leaf_radiosity: leaves.iter().map(|leaf| [leaf.1; 3]).collect(),
-            clusters: Arc::default(),
-            former_step: None,
-            field: None,
-            solution_view: None,
-            stats: Stats::default(),
+            ..Snapshot::default()
         }
     }
 

@@ -157,6 +157,11 @@ impl SolverParams {
         Self { error: Some(USUAL_ERROR), ..Self::default() }
     }
 
+    /// The usual parameters with a share of Φ as ε.
+    pub fn with_epsilon(share: f64) -> Self {
+        Self { epsilon: Epsilon::Relative(share), ..Self::default() }
+    }
+
     /// Name in files of a choice; `None` where it is left to the scene, and where the parameter is
     /// none.
     pub fn choice(&self, id: ParameterId) -> Option<String> {

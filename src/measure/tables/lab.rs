@@ -13,7 +13,7 @@ use crate::measure::accuracy::{ErrorMeter, SolutionError};
 use crate::measure::chart::within;
 use crate::measure::reference::{Cache, Reference, ReferenceRun, Target, compute, random_points};
 use crate::scene::{Scene, builtin::BuiltinScene};
-use crate::solve::{Epsilon, Snapshot, Solver, SolverParams, Stats};
+use crate::solve::{Snapshot, Solver, SolverParams, Stats};
 use crate::transport::VisibilitySource;
 
 /// Seed of the reference's points and paths, the same as the solver's default.
@@ -265,11 +265,6 @@ impl<'a> Lab<'a> {
         };
         Ok((run, snapshot))
     }
-}
-
-/// The usual parameters with a share of Φ as ε.
-pub fn with_epsilon(epsilon: f64) -> SolverParams {
-    SolverParams { epsilon: Epsilon::Relative(epsilon), ..SolverParams::default() }
 }
 
 /// The median; NaN of nothing.

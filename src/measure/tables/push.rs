@@ -2,7 +2,7 @@
 
 use super::claims::{Claim, Verdict};
 use super::columns::{Column, records, table, times};
-use super::lab::{Lab, Run, with_epsilon};
+use super::lab::{Lab, Run};
 use super::report::Report;
 use super::{Part, paper};
 use crate::base::format::percent;
@@ -24,7 +24,7 @@ pub fn run(lab: &mut Lab<'_>) -> Report {
     for (builtin, epsilon) in lab.effort.rooms() {
         let mut room = lab.room(builtin);
         for (clustering, name) in [(ClusteringMode::Adaptive, "adaptive"), (ClusteringMode::Groups, "groups")] {
-            let of = |push| SolverParams { clustering, push, ..with_epsilon(epsilon) };
+            let of = |push| SolverParams { clustering, push, ..SolverParams::with_epsilon(epsilon) };
             let settings = [("immediate", of(Push::Immediate)), ("deferred", of(Push::Deferred))];
             let settings = settings.map(|(push, params)| (format!("{name}, {push}"), params));
             let label = format!("{}, {name}", room.name);

@@ -6,7 +6,7 @@ use super::claims::{Claim, Verdict};
 use super::columns::{Column, left_out_remarks, records, table};
 use super::fit::PowerLaw;
 use super::growth::Growth;
-use super::lab::{Lab, LeftOut, Room, Run, with_epsilon};
+use super::lab::{Lab, LeftOut, Room, Run};
 use super::report::Report;
 use super::{scale_text, table1};
 use crate::base::format::{count, number};
@@ -19,7 +19,7 @@ const COLUMNS: [Column; 7] =
 
 /// Runs it.
 pub fn run(lab: &mut Lab<'_>) -> Report {
-    let params = with_epsilon(lab.effort.scale_epsilon);
+    let params = SolverParams::with_epsilon(lab.effort.scale_epsilon);
     let of = |clustering| SolverParams { clustering, octree_depth: 5, ..params };
     let modes = [
         ("HR (none)", of(ClusteringMode::None), lab.effort.hr_sizes.clone()),
