@@ -24,7 +24,7 @@ pub use filter::{Filter, Share};
 pub use gathered::{GatheredPicture, Layers, LayersAt, PixelLight, Start};
 pub use labels::{LABEL_RIM, LineLabel};
 pub use lens::Lens;
-pub use lettering::{LetteringError, write_labels};
+pub use lettering::write_labels;
 pub use light::{Light, Tiles};
 pub use sky::sky_behind;
 pub use visible_surfaces::{VisibleSurface, VisibleSurfaces};
