@@ -67,8 +67,7 @@ pub fn run(matches: &ArgMatches) -> anyhow::Result<()> {
     if matches.get_flag("picture") {
         return super::picture_chart::run(matches);
     }
-    let scenes: Vec<&String> = matches.get_many("scene").unwrap_or_default().collect();
-    let orders = scenes.iter().map(|scene| Order::of_scene(scene, matches)).collect::<anyhow::Result<Vec<_>>>()?;
+    let orders = Order::of_scenes(matches)?;
     let limit = limit(matches)?;
     let epsilons = epsilons(matches)?;
     let wish = reference::wish(matches, None)?;
