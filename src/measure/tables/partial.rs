@@ -76,11 +76,8 @@ fn good_choice(room: &Room, runs: &[Result<Run, LeftOut>], curve: &[Result<Run, 
             best = Some((ratio, &run.setting));
         }
     }
-    let table = Table {
-        caption: format!("{}: beside ε_partial = 1/10 ε with an ε that casts as many rays", room.name),
-        head: ["", "rays", "error, median", "of 1/10 with as many rays", "ratio"].map(String::from).into(),
-        rows,
-    };
+    let caption = format!("{}: beside ε_partial = 1/10 ε with an ε that casts as many rays", room.name);
+    let table = Table::new(caption, ["", "rays", "error, median", "of 1/10 with as many rays", "ratio"], rows);
     let Some((ratio, setting)) = best else {
         return (None, Claim::unanswered("2.3", SAYS, RULE, "no runs with as many rays"));
     };

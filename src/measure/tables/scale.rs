@@ -84,11 +84,9 @@ fn laws(growths: &[Growth]) -> Table {
     };
     let paper = |name: &str, time: &str| [name, "–", time, "–", "–", "–"].map(String::from).to_vec();
     let of_paper = vec![paper("paper: HR", "2"), paper("paper: IC", "1")];
-    Table {
-        caption: "Exponents p of nᵖ, n polygons; the paper's are its complexities O(k² + n) and O(n)".into(),
-        head: ["", "rooms", "time", "links", "pairs judged", "memory"].map(String::from).into(),
-        rows: of_paper.into_iter().chain(growths.iter().map(row)).collect(),
-    }
+    let caption = "Exponents p of nᵖ, n polygons; the paper's are its complexities O(k² + n) and O(n)";
+    let rows = of_paper.into_iter().chain(growths.iter().map(row)).collect();
+    Table::new(caption, ["", "rooms", "time", "links", "pairs judged", "memory"], rows)
 }
 
 fn claims_of(growths: &[Growth]) -> Vec<Claim> {

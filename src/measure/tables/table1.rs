@@ -141,11 +141,9 @@ fn ratios(hr: &Run, others: &[Result<Run, LeftOut>]) -> Table {
             times(run.rms() / hr.rms()),
         ]
     };
-    Table {
-        caption: "Ratios; in the paper HR's pairs are its links".into(),
-        head: ["", "time", "pairs judged / links", "links", "memory", "error: IC's over HR's"].map(String::from).into(),
-        rows: std::iter::once(of_paper).chain(others.iter().flatten().map(of_run)).collect(),
-    }
+    let rows = std::iter::once(of_paper).chain(others.iter().flatten().map(of_run)).collect();
+    let head = ["", "time", "pairs judged / links", "links", "memory", "error: IC's over HR's"];
+    Table::new("Ratios; in the paper HR's pairs are its links", head, rows)
 }
 
 fn claims_of(hr: &Run, ic: &Run, initial: &Run, as_accurate: Option<&Run>) -> Vec<Claim> {

@@ -262,17 +262,11 @@ impl Soon {
             "1".into(),
             "–".into(),
         ];
-        Table {
-            caption: "How soon there is a picture (Figures 3 and 4), adaptive".into(),
-            head: ["", "time", "patches", "links", "error, median"].map(String::from).into(),
-            rows: vec![
-                paper("Figure 3, coarse", paper::COARSE_SECONDS),
-                paper("Figure 4, fine", paper::FINE_SECONDS),
-                first,
-                of(&self.coarse),
-                of(&self.fine),
-            ],
-        }
+        let coarse = paper("Figure 3, coarse", paper::COARSE_SECONDS);
+        let fine = paper("Figure 4, fine", paper::FINE_SECONDS);
+        let caption = "How soon there is a picture (Figures 3 and 4), adaptive";
+        let head = ["", "time", "patches", "links", "error, median"];
+        Table::new(caption, head, vec![coarse, fine, first, of(&self.coarse), of(&self.fine)])
     }
 
     fn claim(&self) -> Claim {
