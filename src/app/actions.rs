@@ -130,8 +130,8 @@ impl App {
                     tools.open = Some(Tool::Compare);
                 }
             }
-            Action::Undo => self.undo(outbox),
-            Action::Redo => self.redo(outbox),
+            Action::Undo => self.undo(false, outbox),
+            Action::Redo => self.undo(true, outbox),
             Action::GoTo(pose) => view.viewport.go_to(&pose),
             Action::TurnTowards(point) => view.viewport.turn_towards_unseen(point),
             Action::ChooseScene => self.documents.files.open_dialog(ctx),

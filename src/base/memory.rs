@@ -1,5 +1,4 @@
-//! Memory: what a person allows the solver, and what the machine has. Imports nothing of the crate
-//! but `format`.
+//! Memory: what a person allows the solver, and what the machine has.
 
 use std::fmt;
 use std::str::FromStr;

@@ -2,7 +2,6 @@
 //!
 //! One convention, that of Radiance: 1 W/m² of white light (R = G = B = 1) counts 179 lm/m², and
 //! the colours weigh as Rec. 709 says. It is stated wherever lux are shown ([`CONVENTION`]).
-//! Imports nothing.
 
 use serde::{Deserialize, Serialize};
 

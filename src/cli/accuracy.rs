@@ -6,7 +6,7 @@ use selflink::measure::accuracy::cases::{self, Case, Reading};
 use selflink::measure::accuracy::{Measured, by_reference, by_solver};
 use selflink::measure::records::{self, Table};
 use selflink::measure::stability::measure::MODES;
-use selflink::solve::{Epsilon, SolverParams, name_of};
+use selflink::solve::{SolverParams, name_of};
 
 use super::options::{path, path_arg};
 use super::output::{OutputFile, make_folder, say};
@@ -61,7 +61,7 @@ fn measure(case: Case) -> anyhow::Result<Vec<Row>> {
     let mut solver = vec![Vec::new(); case.readings.len()];
     for epsilon in EPSILONS {
         for clustering in MODES {
-            let params = SolverParams { clustering, epsilon: Epsilon::Relative(epsilon), ..SolverParams::default() };
+            let params = SolverParams { clustering, ..SolverParams::with_epsilon(epsilon) };
             for (values, value) in solver.iter_mut().zip(by_solver(&case, params)?) {
                 values.push(value);
             }

@@ -13,13 +13,14 @@ use selflink::measure::chart::{
     Against, Chart, Drawing, Shown, Sweep, csv, draw_png, draw_svg, error_table, target_table, usual_epsilons,
     usual_settings,
 };
+use selflink::measure::reference::Wish;
 use selflink::solve::ParameterId;
 
 use super::job::{Job, Order};
 use super::options::{self, path, path_arg, value_arg};
 use super::output::{OutputFile, json, say};
 use super::progress;
-use super::reference::{self, Wish};
+use super::reference;
 
 /// Time of one run when nothing is said, s.
 const SECONDS: f64 = 20.0;
@@ -67,8 +68,7 @@ pub fn run(matches: &ArgMatches) -> anyhow::Result<()> {
     if matches.get_flag("picture") {
         return super::picture_chart::run(matches);
     }
-    let scenes: Vec<&String> = matches.get_many("scene").unwrap_or_default().collect();
-    let orders = scenes.iter().map(|scene| Order::of_scene(scene, matches)).collect::<anyhow::Result<Vec<_>>>()?;
+    let orders = Order::of_scenes(matches)?;
     let limit = limit(matches)?;
     let epsilons = epsilons(matches)?;
     let wish = reference::wish(matches, None)?;

@@ -37,9 +37,10 @@ impl Order {
         Self::new(matches.get_one::<String>("scene").map(String::as_str), matches)
     }
 
-    /// An order for one of several scenes.
-    pub fn of_scene(scene: &str, matches: &ArgMatches) -> anyhow::Result<Self> {
-        Self::new(Some(scene), matches)
+    /// The orders of a command that takes several scenes.
+    pub fn of_scenes(matches: &ArgMatches) -> anyhow::Result<Vec<Self>> {
+        let scenes = matches.get_many::<String>("scene").unwrap_or_default();
+        scenes.map(|scene| Self::new(Some(scene), matches)).collect()
     }
 
     fn new(scene: Option<&str>, matches: &ArgMatches) -> anyhow::Result<Self> {

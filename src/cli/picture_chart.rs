@@ -57,8 +57,7 @@ pub fn with_args(command: Command) -> Command {
 
 /// Runs it.
 pub fn run(matches: &ArgMatches) -> anyhow::Result<()> {
-    let scenes: Vec<&String> = matches.get_many("scene").unwrap_or_default().collect();
-    let orders = scenes.iter().map(|scene| Order::of_scene(scene, matches)).collect::<anyhow::Result<Vec<_>>>()?;
+    let orders = Order::of_scenes(matches)?;
     let limit = limit(matches)?;
     let size = matches.get_one::<String>("size").map_or(Ok(SIZE), |text| render::size(text))?;
     let errors = errors(matches)?;

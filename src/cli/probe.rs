@@ -54,8 +54,8 @@ pub fn command() -> Command {
 /// Runs it.
 pub fn run(matches: &ArgMatches) -> anyhow::Result<()> {
     let order = Order::from_matches(matches)?;
-    if let Some(plane) = work_plane::AskedPlane::of(matches) {
-        return work_plane::run(matches, order, &plane);
+    if matches.contains_id("work-plane") {
+        return work_plane::run(matches, order);
     }
     let points_path = path(matches, "points").unwrap_or_default();
     let rows = read_rows(&points_path)?;

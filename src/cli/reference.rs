@@ -9,7 +9,7 @@ use clap::{ArgMatches, Command};
 use selflink::base::cancel::CancelToken;
 use selflink::base::format::{count, seconds, things};
 use selflink::measure::reference::{
-    Cache, Outcome, Reference, ReferenceRun, SurfacePoint, Target, compute, random_points,
+    Cache, Outcome, Reference, ReferenceRun, SurfacePoint, Target, Wish, compute, random_points,
 };
 use selflink::scene::Scene;
 use selflink::solve::ParameterId;
@@ -25,16 +25,6 @@ const COLUMNS: &str = "x,y,z,nx,ny,nz,weight,polygon,rho_r,rho_g,rho_b,E_r,E_g,E
 const POINTS: u32 = 1000;
 /// More points than anybody waits for.
 const MOST_POINTS: u32 = 10_000_000;
-
-/// Points of a reference, its target and its cache.
-pub struct Wish {
-    /// Random points.
-    pub points: usize,
-    /// When it is good enough.
-    pub target: Target,
-    /// Where it is kept.
-    pub cache: Option<Cache>,
-}
 
 /// The command's arguments.
 pub fn command() -> Command {

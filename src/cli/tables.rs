@@ -9,7 +9,7 @@ use anyhow::anyhow;
 use clap::{ArgMatches, Command};
 use rayon::ThreadPool;
 use selflink::base::format::seconds;
-use selflink::measure::tables::{Claim, Effort, Lab, Part, Report, Truth, Verdict, claims_markdown};
+use selflink::measure::tables::{Claim, Effort, Lab, Part, Report, Verdict, claims_markdown};
 use selflink::solve::ParameterId;
 
 use super::job::pool;
@@ -56,9 +56,8 @@ pub fn run(matches: &ArgMatches) -> anyhow::Result<()> {
 
     let begun = Instant::now();
     let mut tell = |line: &str| eprintln!("{:>7}  {line}", seconds(begun.elapsed().as_secs_f64()));
-    let truth = Truth { points: wish.points, target: wish.target, cache: wish.cache };
     let mut reports = Vec::new();
-    let mut lab = Lab::new(effort.clone(), truth, &mut tell);
+    let mut lab = Lab::new(effort.clone(), wish, &mut tell);
     for &part in &parts {
         let Some(report) = report(&mut lab, part, &folder, &pool)? else { continue };
         save(&folder, &format!("{}.md", part.name()), &report.markdown())?;

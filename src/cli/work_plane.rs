@@ -29,37 +29,19 @@ pub fn args() -> [Arg; 3] {
     ]
 }
 
-/// A plane as the arguments ask for it.
-pub struct AskedPlane {
-    height: f32,
-    spacing: Option<f32>,
-    margin: Option<f32>,
-}
-
-impl AskedPlane {
-    /// The plane that the arguments ask for, if they do.
-    pub fn of(matches: &ArgMatches) -> Option<Self> {
-        let length = |name: &str| matches.get_one::<f64>(name).map(|length| *length as f32);
-        length("work-plane").map(|height| Self { height, spacing: length("spacing"), margin: length("margin") })
-    }
-
-    /// The plane in a scene, which tells what was not asked for.
-    fn within(&self, scene: &Scene) -> WorkPlane {
-        let usual = WorkPlane::for_scene(scene);
-        WorkPlane {
-            height: self.height,
-            spacing: self.spacing.unwrap_or(usual.spacing),
-            margin: self.margin.unwrap_or(usual.margin),
-            area: None,
-        }
-    }
+/// The plane that the arguments ask for; the scene tells what they do not say.
+fn plane(matches: &ArgMatches, scene: &Scene) -> WorkPlane {
+    let length = |name: &str, usual: f32| matches.get_one::<f64>(name).map_or(usual, |length| *length as f32);
+    let WorkPlane { height, spacing, margin, .. } = WorkPlane::for_scene(scene);
+    let (height, spacing) = (length("work-plane", height), length("spacing", spacing));
+    WorkPlane { height, spacing, margin: length("margin", margin), area: None }
 }
 
 /// Measures a plane.
-pub fn run(matches: &ArgMatches, order: Order, plane: &AskedPlane) -> anyhow::Result<()> {
+pub fn run(matches: &ArgMatches, order: Order) -> anyhow::Result<()> {
     let file = OutputFile::new(&path(matches, "out").unwrap_or_default(), &order.inputs())?;
     let job = order.load()?;
-    let plane = plane.within(&job.scene);
+    let plane = plane(matches, &job.scene);
     // Before the long work, so that a plane that cannot be measured is reported soon.
     plane.grid(&job.scene)?;
     let solution = job.solve()?;

@@ -185,19 +185,11 @@ mod tests {
     use glam::Vec3;
 
     use super::*;
-    use crate::hierarchy::ElementId;
     use crate::scene::{Material, MaterialId, load_file};
     use crate::solve::{Leaf, Mesh};
 
     fn square() -> Mesh {
-        let leaf = |material| Leaf {
-            element: ElementId(1),
-            polygon: 0,
-            material: MaterialId(material),
-            area: 0.5,
-            reachable_area: 0.5,
-            level: 0,
-        };
+        let leaf = |material| Leaf { material: MaterialId(material), ..Leaf::square_metre(1, 0) };
         Mesh {
             positions: vec![[0.0; 3], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, -2.0]],
             triangles: vec![[0, 1, 2], [0, 2, 3]],
@@ -208,12 +200,8 @@ mod tests {
     }
 
     fn materials() -> [Material; 2] {
-        ["wall", "lamp"].map(|name| Material {
-            name: name.into(),
-            reflectance: Vec3::splat(0.25),
-            emission: Vec3::ZERO,
-            ..Material::default()
-        })
+        let reflectance = Vec3::splat(0.25);
+        ["wall", "lamp"].map(|name| Material { name: name.into(), reflectance, ..Material::default() })
     }
 
     /// Truth: the `gltf` crate's validation and readers, and what was put in.

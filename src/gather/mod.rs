@@ -364,14 +364,14 @@ mod tests {
     use super::*;
     use crate::geometry::Occluders;
     use crate::scene::builtin::BuiltinScene;
-    use crate::solve::{Epsilon, Solver, SolverParams};
+    use crate::solve::{Solver, SolverParams};
 
     impl Gather {
         /// A gather to 5 % over coarse links of the Cornell box, before its first step.
         pub(super) fn of_cornell() -> Self {
             let scene = Arc::new(BuiltinScene::Cornell.build());
             let occluders = Arc::new(Occluders::new(&scene));
-            let params = SolverParams { epsilon: Epsilon::Relative(1e-2), ..SolverParams::default() };
+            let params = SolverParams::with_epsilon(1e-2);
             let mut solver = Solver::new(scene, occluders, params, 1).expect("usable parameters");
             let never = CancelToken::new();
             assert!(solver.run(&never));

@@ -50,6 +50,11 @@ pub struct Table {
 }
 
 impl Table {
+    /// A table with these columns.
+    pub fn new<const N: usize>(caption: impl Into<String>, head: [&str; N], rows: Vec<Vec<String>>) -> Self {
+        Self { caption: caption.into(), head: head.map(String::from).into(), rows }
+    }
+
     /// As Markdown, numbers to the right of the first column.
     pub fn markdown(&self) -> String {
         self.markdown_with(1)

@@ -249,7 +249,7 @@ mod tests {
     fn solved(scene: Scene) -> (Arc<SolutionView>, Names) {
         let scene = Arc::new(scene);
         let params = SolverParams { clustering: ClusteringMode::Groups, ..SolverParams::default() };
-        let solution_view = Solver::solved(&scene, params).snapshot().solution_view.expect("it was asked for");
+        let solution_view = Solver::solved_view(scene.clone(), params);
         let names = Names::new(1, solution_view.hierarchy(), &scene);
         (solution_view, names)
     }

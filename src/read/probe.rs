@@ -1,7 +1,7 @@
 //! Probing: irradiance and radiosity at points on surfaces, interpolated as the picture shows them.
 //!
 //! Both come from vertex values (a vertex is the weighted mean of the leaves around it) by the
-//! barycentric weights of the triangle that holds the point. Imports `solve`.
+//! barycentric weights of the triangle that holds the point.
 
 use std::time::Duration;
 

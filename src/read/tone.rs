@@ -1,5 +1,4 @@
-//! From radiosity in W/m² to a colour on the screen: exposure, filmic tone curve, gamma. Imports
-//! `base::photometry` and `solve::snapshot`.
+//! From radiosity in W/m² to a colour on the screen: exposure, filmic tone curve, gamma.
 //!
 //! Exposure: the log-average key of Reinhard et al., "Photographic Tone Reproduction for Digital
 //! Images", SIGGRAPH 2002. Tone curve: the rational fit to the ACES filmic curve of K. Narkowicz,
@@ -16,8 +15,8 @@ const KEY: f32 = 0.16;
 const HIGHLIGHT: f32 = 2.5;
 /// Share of the lit area that may be brighter than `HIGHLIGHT`.
 const HIGHLIGHT_AREA: f64 = 0.02;
-/// Surfaces brighter than that darken the picture by no more than this factor: a patch of sun is
-/// blown out before the room around it is black.
+/// What is brighter darkens the picture by no more than this: a patch of sun is blown out before
+/// the room around it is black.
 const MOST_DARKENED: f32 = 4.0;
 /// Shares of the lit area, from the darkest, whose log-average is taken: a few very dark or very
 /// bright leaves do not count.
@@ -155,34 +154,16 @@ mod tests {
     use std::sync::Arc;
 
     use super::*;
-    use crate::hierarchy::ElementId;
-    use crate::scene::MaterialId;
     use crate::solve::snapshot::{Leaf, Mesh};
-    use crate::solve::stats::Stats;
 
     /// Leaves by area, radiosity and irradiance, grey.
     fn snapshot(leaves: &[(f32, f32, f32)]) -> Snapshot {
-        let leaf = |&(area, ..): &(f32, f32, f32)| Leaf {
-            element: ElementId(1),
-            polygon: 0,
-            material: MaterialId(0),
-            area,
-            reachable_area: area,
-            level: 0,
-        };
+        let leaf = |&(area, ..): &(f32, f32, f32)| Leaf { area, reachable_area: area, ..Leaf::square_metre(1, 0) };
         Snapshot {
-            generation: 1,
-            serial: 1,
             mesh: Arc::new(Mesh { leaves: leaves.iter().map(leaf).collect(), ..Mesh::default() }),
-            vertex_radiosity: Vec::new(),
-            vertex_irradiance: Vec::new(),
             leaf_irradiance: leaves.iter().map(|leaf| [leaf.2; 3]).collect(),
             leaf_radiosity: leaves.iter().map(|leaf| [leaf.1; 3]).collect(),
-            clusters: Arc::default(),
-            former_step: None,
-            field: None,
-            solution_view: None,
-            stats: Stats::default(),
+            ..Snapshot::default()
         }
     }
 

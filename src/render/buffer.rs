@@ -33,8 +33,12 @@ impl GrowingBuffer {
         let needed = contents.len() as u64;
         let limit = device.limits().max_buffer_size & !(wgpu::COPY_BUFFER_ALIGNMENT - 1);
         if needed > limit {
-            let mib = |bytes: u64| bytes.div_ceil(1 << 20);
-            return Err(RenderError::TooLarge { what: self.what, needed_mib: mib(needed), limit_mib: limit >> 20 });
+            return Err(RenderError::TooLarge {
+                what: format!("the {} need", self.what),
+                needed_mib: needed.div_ceil(1 << 20),
+                limit_mib: limit >> 20,
+                remedy: "a larger ε or a smaller scene",
+            });
         }
         if self.buffer.as_ref().is_none_or(|buffer| buffer.size() < needed) {
             let roomy = (needed + needed / SPARE).next_multiple_of(wgpu::COPY_BUFFER_ALIGNMENT).clamp(1 << 10, limit);

@@ -295,12 +295,12 @@ mod tests {
     use crate::render::{Camera, Display, Offscreen, Overlay, auto_exposure};
     use crate::scene::Scene;
     use crate::scene::builtin::BuiltinScene;
-    use crate::solve::{ClusteringMode, Epsilon, Solver, SolverParams};
+    use crate::solve::{ClusteringMode, Solver, SolverParams};
 
     fn solved(name: &str, clustering: ClusteringMode) -> (Arc<Scene>, Snapshot) {
         let scene = Arc::new(BuiltinScene::from_name(name).expect("ours").build());
-        let params = SolverParams { epsilon: Epsilon::Relative(3e-2), clustering, ..SolverParams::default() };
-        let snapshot = Solver::solved(&scene, params).snapshot();
+        let params = SolverParams { clustering, ..SolverParams::with_epsilon(3e-2) };
+        let snapshot = Solver::solved(scene.clone(), params).snapshot();
         (scene, snapshot)
     }
 

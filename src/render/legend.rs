@@ -7,11 +7,10 @@ use plotters::drawing::IntoDrawingArea;
 use plotters::element::Text;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 use plotters::style::{IntoFont, RGBColor, TextStyle};
-use thiserror::Error;
 
 use super::Reading;
-use crate::base::font::family;
-use crate::read::picture::{LetteringError, LineLabel, write_labels};
+use crate::base::font::{NotDrawn, family};
+use crate::read::picture::{LineLabel, write_labels};
 
 /// Sizes for a picture of 800 lines; larger ones have larger legends.
 const USUAL_HEIGHT: f32 = 800.0;
@@ -23,17 +22,6 @@ const PANEL: Rgb<u8> = Rgb([29, 31, 35]);
 const TEXT: RGBColor = RGBColor(236, 237, 240);
 const WEAK: RGBColor = RGBColor(160, 165, 175);
 
-/// Letters that cannot be drawn.
-#[derive(Debug, Error)]
-pub enum AnnotationError {
-    /// Those along lines.
-    #[error(transparent)]
-    Labels(#[from] LetteringError),
-    /// Those of the legend.
-    #[error("the legend cannot be drawn ({0})")]
-    Legend(String),
-}
-
 /// Writes the values of lines along them into a picture and, if it is to have one, the legend of
 /// what is read off it.
 ///
@@ -44,13 +32,13 @@ pub fn annotate(
     reading: &Reading,
     labels: &[LineLabel],
     has_legend: bool,
-) -> Result<(), AnnotationError> {
+) -> Result<(), NotDrawn> {
     write_labels(picture, labels, reading.shown_in)?;
     if has_legend { draw_legend(picture, reading) } else { Ok(()) }
 }
 
 /// Draws the legend; nothing where the picture is too small to hold it.
-fn draw_legend(picture: &mut RgbaImage, reading: &Reading) -> Result<(), AnnotationError> {
+fn draw_legend(picture: &mut RgbaImage, reading: &Reading) -> Result<(), NotDrawn> {
     let scale = (picture.height() as f32 / USUAL_HEIGHT).clamp(0.8, 4.0);
     let pixels = |length: f32| (scale * length).round() as u32;
     let [width, height] = CARD.map(pixels);
@@ -87,13 +75,9 @@ fn draw_legend(picture: &mut RgbaImage, reading: &Reading) -> Result<(), Annotat
 }
 
 /// Title, values and convention.
-fn write(
-    card: &mut RgbImage,
-    reading: &Reading,
-    (scale, labels): (f32, &[(u32, &str)]),
-) -> Result<(), AnnotationError> {
+fn write(card: &mut RgbImage, reading: &Reading, (scale, labels): (f32, &[(u32, &str)])) -> Result<(), NotDrawn> {
     let (width, height) = card.dimensions();
-    let failed = |error: &dyn std::fmt::Display| AnnotationError::Legend(error.to_string());
+    let failed = NotDrawn::because("the legend cannot be drawn");
     let area = BitMapBackend::with_buffer(card, (width, height)).into_drawing_area();
     let style = |size: f32, colour: &'static RGBColor, horizontal: HPos| {
         TextStyle::from((family(), f64::from(size * scale)).into_font())
@@ -101,20 +85,19 @@ fn write(
             .pos(Pos::new(horizontal, VPos::Top))
     };
     let say = |text: &str, (x, y): (i32, f32), style: TextStyle<'_>| {
-        area.draw(&Text::new(text.to_owned(), (x, (y * scale) as i32), style)).map_err(|error| failed(&error))
+        area.draw(&Text::new(text.to_owned(), (x, (y * scale) as i32), style)).map_err(&failed)
     };
     let left = (20.0 * scale) as i32;
     say(&reading.title(), (left, 7.0), style(16.0, &TEXT, HPos::Left))?;
     say(reading.shown_in.remark(), (left, 68.0), style(12.0, &WEAK, HPos::Left))?;
     let mut free_from = 0;
     for (place, label) in labels {
-        let (text_width, _) =
-            area.estimate_text_size(label, &style(13.0, &TEXT, HPos::Center)).map_err(|error| failed(&error))?;
+        let (text_width, _) = area.estimate_text_size(label, &style(13.0, &TEXT, HPos::Center)).map_err(&failed)?;
         let begin = *place as i32 - text_width as i32 / 2;
         if begin >= free_from {
             say(label, (*place as i32, 50.0), style(13.0, &TEXT, HPos::Center))?;
             free_from = begin + text_width as i32 + (6.0 * scale) as i32;
         }
     }
-    area.present().map_err(|error| failed(&error))
+    area.present().map_err(&failed)
 }

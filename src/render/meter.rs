@@ -85,8 +85,6 @@ impl LightMeter {
 
 #[cfg(test)]
 mod tests {
-    use std::sync::Arc;
-
     use glam::Vec3;
 
     use super::*;
@@ -111,8 +109,7 @@ mod tests {
         let of = GroupId(0);
         add_box(&mut scene, (place, place + Vec3::ONE), true, (case, of));
         add_box(&mut scene, (place + Vec3::splat(0.4), place + Vec3::splat(0.6)), false, (lamp, of));
-        let scene = Arc::new(scene);
-        let mut solver = Solver::solved(&scene, SolverParams::default());
+        let mut solver = Solver::solved(scene.clone(), SolverParams::default());
         let (occluders, mut snapshot) = (solver.link_solution().occluders().clone(), solver.snapshot());
         // Some ray gets out, as rounding lets one.
         let mesh = snapshot.mesh.clone();

@@ -36,7 +36,7 @@ pub use camera::Camera;
 pub use clusters::{ApartMesh, ClusterParts, ClusterView, by_clusters, cluster_colours};
 pub use display::Display;
 pub use gathered::{Pixels, developed};
-pub use legend::{AnnotationError, annotate};
+pub use legend::annotate;
 pub use links::{ChosenLinks, LinkColour, LinkFilter, LinkStyle, Seen, USUAL_LINKS, level_colour};
 pub use meter::{LightMeter, Metered};
 pub use offscreen::Offscreen;
@@ -83,31 +83,19 @@ pub enum RenderError {
         /// The most that can be drawn, pixels.
         limit: u32,
     },
-    /// A mesh that the adapter cannot hold.
+    /// A mesh that the adapter cannot hold, or a picture that it cannot hand back.
     #[error(
-        "the {what} need a graphics buffer of {needed_mib} MiB, but the adapter takes at most {limit_mib} MiB: choose a larger ε or a smaller scene"
+        "{what} a graphics buffer of {needed_mib} MiB, but the adapter takes at most {limit_mib} MiB: choose {remedy}"
     )]
     TooLarge {
-        /// Content of the buffer, in words.
-        what: &'static str,
+        /// What needs the buffer, in words.
+        what: String,
         /// Size needed, MiB.
         needed_mib: u64,
         /// The adapter's limit, MiB.
         limit_mib: u64,
-    },
-    /// A picture that the adapter cannot hand back.
-    #[error(
-        "a picture of {width}×{height} pixels needs a graphics buffer of {needed_mib} MiB, but the adapter takes at most {limit_mib} MiB: choose a smaller picture"
-    )]
-    PictureTooLarge {
-        /// Width asked for, pixels.
-        width: u32,
-        /// Height asked for, pixels.
-        height: u32,
-        /// Size needed, MiB.
-        needed_mib: u64,
-        /// The adapter's limit, MiB.
-        limit_mib: u64,
+        /// What to choose instead.
+        remedy: &'static str,
     },
     /// The graphics device gave up on a picture, for want of memory for one.
     #[error("the graphics adapter could not draw the picture, a smaller one may succeed: {reason}")]

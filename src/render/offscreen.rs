@@ -157,11 +157,11 @@ impl Offscreen {
         let bytes = u64::from(padded_row_bytes) * u64::from(height);
         let limit = self.device.limits().max_buffer_size;
         if bytes > limit {
-            return Err(RenderError::PictureTooLarge {
-                width,
-                height,
+            return Err(RenderError::TooLarge {
+                what: format!("a picture of {width}×{height} pixels needs"),
                 needed_mib: bytes.div_ceil(1 << 20),
                 limit_mib: limit >> 20,
+                remedy: "a smaller picture",
             });
         }
         let buffer = self.device.create_buffer(&wgpu::BufferDescriptor {

@@ -59,8 +59,6 @@ pub fn in_own_colours(snapshot: &Snapshot, scene: &Scene) -> Snapshot {
 
 #[cfg(test)]
 mod tests {
-    use std::sync::Arc;
-
     use super::*;
     use crate::render::{Camera, Display, Offscreen, Overlay};
     use crate::scene::builtin::BuiltinScene;
@@ -74,8 +72,7 @@ mod tests {
         for material in &mut scene.materials {
             material.emission = Vec3::ZERO;
         }
-        let scene = Arc::new(scene);
-        let dark = Solver::solved(&scene, SolverParams::default()).snapshot();
+        let dark = Solver::solved(scene.clone(), SolverParams::default()).snapshot();
         assert!(dark.vertex_radiosity.iter().flatten().all(|channel| *channel == 0.0));
         let shown = in_own_colours(&dark, &scene);
         // Mean colour of the vertices of faces that are turned this way.

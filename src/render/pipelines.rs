@@ -30,8 +30,6 @@ pub(super) struct Pipelines {
     pub(super) lines: wgpu::RenderPipeline,
     /// Lines seen faintly through everything.
     pub(super) lines_through: wgpu::RenderPipeline,
-    /// Layout of the finished picture and its sampler.
-    pub(super) picture_layout: wgpu::BindGroupLayout,
     /// Picture into a window's pass.
     pub(super) blit: wgpu::RenderPipeline,
 }
@@ -52,27 +50,71 @@ struct Stage<'a> {
     constants: &'a [(&'a str, f64)],
 }
 
-/// Layout of one uniform, which the stages read.
-pub(super) fn uniform_layout(device: &wgpu::Device, what: &str, stages: wgpu::ShaderStages) -> wgpu::BindGroupLayout {
-    device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
+/// A uniform of so many bytes, and its binding.
+pub(super) fn uniform(
+    device: &wgpu::Device,
+    what: &str,
+    bytes: usize,
+    layout: &wgpu::BindGroupLayout,
+) -> (wgpu::Buffer, wgpu::BindGroup) {
+    let buffer = device.create_buffer(&wgpu::BufferDescriptor {
         label: Some(what),
-        entries: &[wgpu::BindGroupLayoutEntry {
-            binding: 0,
-            visibility: stages,
-            ty: wgpu::BindingType::Buffer {
-                ty: wgpu::BufferBindingType::Uniform,
-                has_dynamic_offset: false,
-                min_binding_size: None,
-            },
-            count: None,
-        }],
+        size: bytes as u64,
+        usage: wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST,
+        mapped_at_creation: false,
+    });
+    let binding = device.create_bind_group(&wgpu::BindGroupDescriptor {
+        label: Some(what),
+        layout,
+        entries: &[wgpu::BindGroupEntry { binding: 0, resource: buffer.as_entire_binding() }],
+    });
+    (buffer, binding)
+}
+
+/// The binding of a picture and its sampler for a pipeline that shows it.
+pub(super) fn picture_binding(
+    device: &wgpu::Device,
+    pipeline: &wgpu::RenderPipeline,
+    view: &wgpu::TextureView,
+    sampler: &wgpu::Sampler,
+) -> wgpu::BindGroup {
+    device.create_bind_group(&wgpu::BindGroupDescriptor {
+        label: Some("picture"),
+        layout: &pipeline.get_bind_group_layout(0),
+        entries: &[
+            wgpu::BindGroupEntry { binding: 0, resource: wgpu::BindingResource::TextureView(view) },
+            wgpu::BindGroupEntry { binding: 1, resource: wgpu::BindingResource::Sampler(sampler) },
+        ],
     })
+}
+
+/// What a pipeline does with depth.
+pub(super) fn depth(writes: bool, compare: wgpu::CompareFunction) -> wgpu::DepthStencilState {
+    wgpu::DepthStencilState {
+        format: DEPTH_FORMAT,
+        depth_write_enabled: Some(writes),
+        depth_compare: Some(compare),
+        stencil: wgpu::StencilState::default(),
+        bias: wgpu::DepthBiasState::default(),
+    }
 }
 
 impl Pipelines {
     /// Compiles everything for a number of samples and a window's format.
     pub(super) fn new(device: &wgpu::Device, samples: u32, blit_format: wgpu::TextureFormat) -> Self {
-        let view_layout = uniform_layout(device, "view", wgpu::ShaderStages::VERTEX_FRAGMENT);
+        let view_layout = device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
+            label: Some("view"),
+            entries: &[wgpu::BindGroupLayoutEntry {
+                binding: 0,
+                visibility: wgpu::ShaderStages::VERTEX_FRAGMENT,
+                ty: wgpu::BindingType::Buffer {
+                    ty: wgpu::BufferBindingType::Uniform,
+                    has_dynamic_offset: false,
+                    min_binding_size: None,
+                },
+                count: None,
+            }],
+        });
         let layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
             label: Some("scene"),
             bind_group_layouts: &[Some(&view_layout)],
@@ -97,11 +139,8 @@ impl Pipelines {
                     ..Default::default()
                 },
                 depth_stencil: Some(wgpu::DepthStencilState {
-                    format: DEPTH_FORMAT,
-                    depth_write_enabled: Some(stage.writes_depth),
-                    depth_compare: Some(stage.depth_compare),
-                    stencil: wgpu::StencilState::default(),
                     bias: stage.bias,
+                    ..depth(stage.writes_depth, stage.depth_compare)
                 }),
                 multisample: wgpu::MultisampleState { count: samples, ..Default::default() },
                 fragment: Some(wgpu::FragmentState {
@@ -195,9 +234,8 @@ impl Pipelines {
             ..lines
         });
         let lines = scene_pipeline(&lines);
-        let picture_layout = picture_layout(device);
-        let blit = blit_pipeline(device, &picture_layout, blit_format, None);
-        let underlay = blit_pipeline(device, &picture_layout, COLOUR_FORMAT, Some(samples));
+        let blit = blit_pipeline(device, blit_format, None);
+        let underlay = blit_pipeline(device, COLOUR_FORMAT, Some(samples));
         Self {
             view_layout,
             background,
@@ -208,49 +246,22 @@ impl Pipelines {
             underlay,
             lines,
             lines_through,
-            picture_layout,
             blit,
         }
     }
 }
 
-/// Layout of a finished picture and its sampler.
-fn picture_layout(device: &wgpu::Device) -> wgpu::BindGroupLayout {
-    let entry =
-        |binding, ty| wgpu::BindGroupLayoutEntry { binding, visibility: wgpu::ShaderStages::FRAGMENT, ty, count: None };
-    device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
-        label: Some("picture"),
-        entries: &[
-            entry(
-                0,
-                wgpu::BindingType::Texture {
-                    sample_type: wgpu::TextureSampleType::Float { filterable: true },
-                    view_dimension: wgpu::TextureViewDimension::D2,
-                    multisampled: false,
-                },
-            ),
-            entry(1, wgpu::BindingType::Sampler(wgpu::SamplerBindingType::Filtering)),
-        ],
-    })
-}
-
 /// Copies a picture into a pass: a window's, or the scene's of so many samples, whose depth stays.
 fn blit_pipeline(
     device: &wgpu::Device,
-    picture_layout: &wgpu::BindGroupLayout,
     format: wgpu::TextureFormat,
     scene_samples: Option<u32>,
 ) -> wgpu::RenderPipeline {
-    let layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
-        label: Some("blit"),
-        bind_group_layouts: &[Some(picture_layout)],
-        immediate_size: 0,
-    });
     let module = device.create_shader_module(wgpu::include_wgsl!("blit.wgsl"));
     let encodes = f64::from(u8::from(format.is_srgb()));
     device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
         label: Some("blit"),
-        layout: Some(&layout),
+        layout: None,
         vertex: wgpu::VertexState {
             module: &module,
             entry_point: Some("blit_vertex"),
@@ -258,13 +269,7 @@ fn blit_pipeline(
             buffers: &[],
         },
         primitive: wgpu::PrimitiveState::default(),
-        depth_stencil: scene_samples.map(|_| wgpu::DepthStencilState {
-            format: DEPTH_FORMAT,
-            depth_write_enabled: Some(false),
-            depth_compare: Some(wgpu::CompareFunction::Always),
-            stencil: wgpu::StencilState::default(),
-            bias: wgpu::DepthBiasState::default(),
-        }),
+        depth_stencil: scene_samples.map(|_| depth(false, wgpu::CompareFunction::Always)),
         multisample: wgpu::MultisampleState { count: scene_samples.unwrap_or(1), ..Default::default() },
         fragment: Some(wgpu::FragmentState {
             module: &module,

@@ -7,7 +7,7 @@ use bytemuck::cast_slice;
 use glam::{Mat4, Vec2, Vec3};
 
 use super::buffer::GrowingBuffer;
-use super::pipelines::{DEPTH_FORMAT, uniform_layout};
+use super::pipelines;
 use super::target::Target;
 use super::{Camera, RenderError};
 use crate::solve::snapshot::Snapshot;
@@ -43,18 +43,9 @@ impl RadiosityPass {
         snapshot: &Snapshot,
         size: [u32; 2],
     ) -> Result<Self, RenderError> {
-        let (layout, pipeline) = pipeline(device);
-        let uniform = device.create_buffer(&wgpu::BufferDescriptor {
-            label: Some("clip from world"),
-            size: size_of::<Mat4>() as u64,
-            usage: wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST,
-            mapped_at_creation: false,
-        });
-        let binding = device.create_bind_group(&wgpu::BindGroupDescriptor {
-            label: Some("clip from world"),
-            layout: &layout,
-            entries: &[wgpu::BindGroupEntry { binding: 0, resource: uniform.as_entire_binding() }],
-        });
+        let pipeline = pipeline(device);
+        let layout = pipeline.get_bind_group_layout(0);
+        let (uniform, binding) = pipelines::uniform(device, "clip from world", size_of::<Mat4>(), &layout);
         let mut positions = GrowingBuffer::new("mesh vertices", wgpu::BufferUsages::VERTEX);
         let mut radiosities = GrowingBuffer::new("vertex radiosities", wgpu::BufferUsages::VERTEX);
         let mut indices = GrowingBuffer::new("mesh triangles", wgpu::BufferUsages::INDEX);
@@ -62,7 +53,7 @@ impl RadiosityPass {
         radiosities.write(device, queue, cast_slice(&snapshot.vertex_radiosity))?;
         indices.write(device, queue, cast_slice(&snapshot.mesh.triangles))?;
         let index_count = 3 * snapshot.mesh.triangles.len() as u32;
-        let target = Target::with_format(device, size, 1, FORMAT);
+        let target = Target::new(device, size, 1, FORMAT);
         Ok(Self { pipeline, uniform, binding, positions, radiosities, indices, index_count, target })
     }
 
@@ -83,11 +74,7 @@ impl RadiosityPass {
                     store: wgpu::StoreOp::Store,
                 },
             })],
-            depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
-                view: &self.target.depth_view,
-                depth_ops: Some(wgpu::Operations { load: wgpu::LoadOp::Clear(0.0), store: wgpu::StoreOp::Discard }),
-                stencil_ops: None,
-            }),
+            depth_stencil_attachment: Some(self.target.fresh_depth()),
             ..Default::default()
         });
         if let (Some(positions), Some(radiosities), Some(indices)) =
@@ -108,13 +95,7 @@ impl RadiosityPass {
     }
 }
 
-fn pipeline(device: &wgpu::Device) -> (wgpu::BindGroupLayout, wgpu::RenderPipeline) {
-    let bindings = uniform_layout(device, "clip from world", wgpu::ShaderStages::VERTEX);
-    let layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
-        label: Some("radiosities"),
-        bind_group_layouts: &[Some(&bindings)],
-        immediate_size: 0,
-    });
+fn pipeline(device: &wgpu::Device) -> wgpu::RenderPipeline {
     let module = device.create_shader_module(wgpu::include_wgsl!("radiosity.wgsl"));
     let positions = wgpu::vertex_attr_array![0 => Float32x3];
     let radiosities = wgpu::vertex_attr_array![1 => Float32x3];
@@ -125,9 +106,9 @@ fn pipeline(device: &wgpu::Device) -> (wgpu::BindGroupLayout, wgpu::RenderPipeli
             attributes,
         })
     };
-    let pipeline = device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
+    device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
         label: Some("radiosities"),
-        layout: Some(&layout),
+        layout: None,
         vertex: wgpu::VertexState {
             module: &module,
             entry_point: Some("radiosity_vertex"),
@@ -136,13 +117,7 @@ fn pipeline(device: &wgpu::Device) -> (wgpu::BindGroupLayout, wgpu::RenderPipeli
         },
         // As in the picture: faces have one bright side.
         primitive: wgpu::PrimitiveState { cull_mode: Some(wgpu::Face::Back), ..Default::default() },
-        depth_stencil: Some(wgpu::DepthStencilState {
-            format: DEPTH_FORMAT,
-            depth_write_enabled: Some(true),
-            depth_compare: Some(wgpu::CompareFunction::Greater),
-            stencil: wgpu::StencilState::default(),
-            bias: wgpu::DepthBiasState::default(),
-        }),
+        depth_stencil: Some(pipelines::depth(true, wgpu::CompareFunction::Greater)),
         multisample: wgpu::MultisampleState::default(),
         fragment: Some(wgpu::FragmentState {
             module: &module,
@@ -152,6 +127,5 @@ fn pipeline(device: &wgpu::Device) -> (wgpu::BindGroupLayout, wgpu::RenderPipeli
         }),
         multiview_mask: None,
         cache: None,
-    });
-    (bindings, pipeline)
+    })
 }

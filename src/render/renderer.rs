@@ -7,7 +7,7 @@ use bytemuck::cast_slice;
 use super::buffer::GrowingBuffer;
 use super::gathered::Pixels;
 use super::overlay::{self, Line};
-use super::pipelines::{COLOUR_FORMAT, DEPTH_FORMAT, Pipelines};
+use super::pipelines::{COLOUR_FORMAT, DEPTH_FORMAT, Pipelines, picture_binding, uniform};
 use super::reading::{MOST_ISOLINES, Reading, Spacing, at_vertices, line_colour};
 use super::target::Target;
 use super::underlay::Underlay;
@@ -201,17 +201,7 @@ impl SceneRenderer {
     /// one format.
     pub fn new(device: wgpu::Device, queue: wgpu::Queue, samples: u32, blit_format: wgpu::TextureFormat) -> Self {
         let pipelines = Pipelines::new(&device, samples, blit_format);
-        let view_buffer = device.create_buffer(&wgpu::BufferDescriptor {
-            label: Some("view"),
-            size: size_of::<ViewUniform>() as u64,
-            usage: wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST,
-            mapped_at_creation: false,
-        });
-        let view_binding = device.create_bind_group(&wgpu::BindGroupDescriptor {
-            label: Some("view"),
-            layout: &pipelines.view_layout,
-            entries: &[wgpu::BindGroupEntry { binding: 0, resource: view_buffer.as_entire_binding() }],
-        });
+        let (view_buffer, view_binding) = uniform(&device, "view", size_of::<ViewUniform>(), &pipelines.view_layout);
         let sampler = device.create_sampler(&wgpu::SamplerDescriptor { label: Some("picture"), ..Default::default() });
         let smooth_sampler = device.create_sampler(&wgpu::SamplerDescriptor {
             label: Some("sky"),
@@ -345,7 +335,7 @@ impl SceneRenderer {
     fn upload_gathered(&mut self, pixels: Option<&Arc<Pixels>>) {
         let is_there = |underlay: &Underlay| pixels.is_some_and(|pixels| underlay.is_of(pixels));
         if !self.underlay.as_ref().is_some_and(is_there) {
-            let looks = (&self.pipelines.picture_layout, &self.sampler);
+            let looks = (&self.pipelines.underlay, &self.sampler);
             self.underlay = pixels.map(|pixels| Underlay::new(&self.device, &self.queue, looks, pixels));
         }
     }
@@ -359,7 +349,7 @@ impl SceneRenderer {
             let [width, height] = frame.size.map(|side| side as f32);
             let pixels = sky_behind(outside, &frame.camera.lens(width / height), frame.display.exposure, size);
             let pixels = Arc::new(Pixels { size, pixels, labels: Vec::new() });
-            Underlay::new(&self.device, &self.queue, (&self.pipelines.picture_layout, &self.smooth_sampler), &pixels)
+            Underlay::new(&self.device, &self.queue, (&self.pipelines.underlay, &self.smooth_sampler), &pixels)
         });
     }
 
@@ -387,15 +377,8 @@ impl SceneRenderer {
     }
 
     fn make_target(&self, size: [u32; 2]) -> (Target, wgpu::BindGroup) {
-        let target = Target::new(&self.device, size, self.samples);
-        let binding = self.device.create_bind_group(&wgpu::BindGroupDescriptor {
-            label: Some("picture"),
-            layout: &self.pipelines.picture_layout,
-            entries: &[
-                wgpu::BindGroupEntry { binding: 0, resource: wgpu::BindingResource::TextureView(&target.picture_view) },
-                wgpu::BindGroupEntry { binding: 1, resource: wgpu::BindingResource::Sampler(&self.sampler) },
-            ],
-        });
+        let target = Target::new(&self.device, size, self.samples, COLOUR_FORMAT);
+        let binding = picture_binding(&self.device, &self.pipelines.blit, &target.picture_view, &self.sampler);
         (target, binding)
     }
 
@@ -413,11 +396,7 @@ impl SceneRenderer {
                     store: if target.samples_view.is_some() { wgpu::StoreOp::Discard } else { wgpu::StoreOp::Store },
                 },
             })],
-            depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
-                view: &target.depth_view,
-                depth_ops: Some(wgpu::Operations { load: wgpu::LoadOp::Clear(0.0), store: wgpu::StoreOp::Discard }),
-                stencil_ops: None,
-            }),
+            depth_stencil_attachment: Some(target.fresh_depth()),
             ..Default::default()
         });
         if let Some(underlay) = &self.underlay {

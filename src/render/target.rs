@@ -1,6 +1,6 @@
 //! The textures that one picture is drawn into.
 
-use super::pipelines::{COLOUR_FORMAT, DEPTH_FORMAT};
+use super::pipelines::DEPTH_FORMAT;
 
 /// Multisampled colour and depth, and the finished picture; made anew when the size changes.
 pub(super) struct Target {
@@ -18,17 +18,7 @@ pub(super) struct Target {
 
 impl Target {
     /// Textures of a size that the device takes.
-    pub(super) fn new(device: &wgpu::Device, size: [u32; 2], samples: u32) -> Self {
-        Self::with_format(device, size, samples, COLOUR_FORMAT)
-    }
-
-    /// A target for pictures of another format.
-    pub(super) fn with_format(
-        device: &wgpu::Device,
-        size: [u32; 2],
-        samples: u32,
-        colour_format: wgpu::TextureFormat,
-    ) -> Self {
+    pub(super) fn new(device: &wgpu::Device, size: [u32; 2], samples: u32, colour_format: wgpu::TextureFormat) -> Self {
         let texture = |label, format, sample_count, usage| {
             device.create_texture(&wgpu::TextureDescriptor {
                 label: Some(label),
@@ -49,5 +39,14 @@ impl Target {
             .then(|| view(&texture("picture samples", colour_format, samples, wgpu::TextureUsages::empty())));
         let depth_view = view(&texture("depth", DEPTH_FORMAT, samples, wgpu::TextureUsages::empty()));
         Self { size, picture_view: view(&picture), picture, samples_view, depth_view }
+    }
+
+    /// Depth that begins at infinity and is not kept.
+    pub(super) fn fresh_depth(&self) -> wgpu::RenderPassDepthStencilAttachment<'_> {
+        wgpu::RenderPassDepthStencilAttachment {
+            view: &self.depth_view,
+            depth_ops: Some(wgpu::Operations { load: wgpu::LoadOp::Clear(0.0), store: wgpu::StoreOp::Discard }),
+            stencil_ops: None,
+        }
     }
 }

@@ -3,9 +3,10 @@
 use std::sync::Arc;
 
 use bytemuck::cast_slice;
+use wgpu::util::DeviceExt as _;
 
 use super::gathered::Pixels;
-use super::pipelines::COLOUR_FORMAT;
+use super::pipelines::{COLOUR_FORMAT, picture_binding};
 
 /// The texture of a picture.
 pub(super) struct Underlay {
@@ -14,41 +15,32 @@ pub(super) struct Underlay {
 }
 
 impl Underlay {
-    /// Uploads a picture; its size must be one that the device takes.
+    /// Uploads a picture for a pipeline that shows it; its size must be one that the device takes.
     pub(super) fn new(
         device: &wgpu::Device,
         queue: &wgpu::Queue,
-        (layout, sampler): (&wgpu::BindGroupLayout, &wgpu::Sampler),
+        (pipeline, sampler): (&wgpu::RenderPipeline, &wgpu::Sampler),
         pixels: &Arc<Pixels>,
     ) -> Self {
         let [width, height] = pixels.size;
-        let size = wgpu::Extent3d { width, height, depth_or_array_layers: 1 };
-        let texture = device.create_texture(&wgpu::TextureDescriptor {
+        let descriptor = wgpu::TextureDescriptor {
             label: Some("gathered picture"),
-            size,
+            size: wgpu::Extent3d { width, height, depth_or_array_layers: 1 },
             mip_level_count: 1,
             sample_count: 1,
             dimension: wgpu::TextureDimension::D2,
             format: COLOUR_FORMAT,
-            usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST,
+            usage: wgpu::TextureUsages::TEXTURE_BINDING,
             view_formats: &[],
-        });
-        queue.write_texture(
-            texture.as_image_copy(),
+        };
+        let texture = device.create_texture_with_data(
+            queue,
+            &descriptor,
+            wgpu::util::TextureDataOrder::default(),
             cast_slice(&pixels.pixels),
-            wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(4 * width), rows_per_image: None },
-            size,
         );
         let view = texture.create_view(&wgpu::TextureViewDescriptor::default());
-        let binding = device.create_bind_group(&wgpu::BindGroupDescriptor {
-            label: Some("gathered picture"),
-            layout,
-            entries: &[
-                wgpu::BindGroupEntry { binding: 0, resource: wgpu::BindingResource::TextureView(&view) },
-                wgpu::BindGroupEntry { binding: 1, resource: wgpu::BindingResource::Sampler(sampler) },
-            ],
-        });
-        Self { pixels: pixels.clone(), binding }
+        Self { pixels: pixels.clone(), binding: picture_binding(device, pipeline, &view, sampler) }
     }
 
     /// Whether this is that picture.

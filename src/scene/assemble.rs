@@ -18,7 +18,7 @@ use super::triangulate::{Effort, ear_clip, is_good_quad, longest_edge_squared, n
 use super::{Material, MaterialId, NamedCamera, Polygon, Scene, Sides, Skipped, place, sanitize};
 
 /// The largest reflectance that a scene file may set; more makes light that hardly ever dies.
-const MAX_FILE_REFLECTANCE: f32 = 0.95;
+pub(super) const MAX_FILE_REFLECTANCE: f32 = 0.95;
 
 /// A face whose doubled area is below this share of its squared longest edge has no area but
 /// rounding noise.

@@ -203,7 +203,7 @@ impl Draft {
         let mut reach = Reach::new();
         for &corner in &self.corners {
             let vertex = self.vertices[corner as usize];
-            if !vertex.to_array().into_iter().all(is_usable) {
+            if !is_usable(vertex) {
                 return Some(corner);
             }
             reach.add(vertex, corner);

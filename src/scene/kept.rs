@@ -3,7 +3,7 @@
 use glam::{DVec3, Vec3};
 use serde::{Deserialize, Serialize};
 
-use super::place::FiledCamera;
+use super::place::{FiledCamera, is_usable};
 use super::{CameraPose, Scene};
 
 /// View, bookmarks and task area of a scene.
@@ -44,7 +44,7 @@ impl FiledTaskArea {
     /// Why it cannot be used.
     pub(super) fn problem(&self) -> Option<String> {
         let is_number = |value: f32| value.is_finite() && value >= 0.0;
-        let is_good = self.corners.iter().all(|corner| corner.is_finite() && corner.abs().max_element() <= 1e15)
+        let is_good = self.corners.into_iter().all(is_usable)
             && self.height.is_finite()
             && is_number(self.average_lux)
             && is_number(self.uniformity);

@@ -26,9 +26,8 @@ const AGREED: f64 = 2.0 / 3.0;
 /// The unit in which most things with a known name have their usual height; none where there are
 /// too few of them.
 pub(super) fn unit(draft: &Draft, up: UpAxis) -> Option<Unit> {
-    let axis = if up == UpAxis::Y { 1 } else { 2 };
     let mut votes = [0_usize; Unit::ALL.len()];
-    for (usual, height) in things(draft, axis) {
+    for (usual, height) in things(draft, up) {
         let is_usual = |unit: &Unit| (height * unit.metres() / usual).ln().abs() < USUAL;
         if let Some(unit) = Unit::ALL.iter().position(is_usual) {
             votes[unit] += 1;
@@ -40,7 +39,7 @@ pub(super) fn unit(draft: &Draft, up: UpAxis) -> Option<Unit> {
 }
 
 /// Usual height, m, and height in the file of everything that has a known name.
-fn things(draft: &Draft, axis: usize) -> Vec<(f64, f64)> {
+fn things(draft: &Draft, up: UpAxis) -> Vec<(f64, f64)> {
     // The root has the name of the file.
     let of_groups: Vec<Option<f64>> =
         draft.groups.iter().map(|group| usual_height(&group.name).filter(|_| group.parent.is_some())).collect();
@@ -53,7 +52,7 @@ fn things(draft: &Draft, axis: usize) -> Vec<(f64, f64)> {
     let extend = |[low, high]: &mut [f64; 2], [from, to]: [f64; 2]| (*low, *high) = (low.min(from), high.max(to));
     for face in &draft.faces {
         for &corner in &draft.corners[face.corners()] {
-            let level = draft.vertices[corner as usize][axis];
+            let level = up.along(draft.vertices[corner as usize]);
             extend(&mut groups[face.group.0 as usize], [level; 2]);
             extend(&mut materials[face.material as usize], [level; 2]);
         }

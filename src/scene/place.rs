@@ -22,9 +22,9 @@ pub(super) const MAX_COORDINATE: f32 = 1e9;
 /// there.
 const MAX_IN_FILE: f64 = 1e15;
 
-/// Whether a file's coordinate is finite and not too large to reckon with.
-pub(super) fn is_usable(coordinate: f64) -> bool {
-    coordinate.abs() <= MAX_IN_FILE
+/// Whether a file's place is finite and not too far off to reckon with.
+pub(super) fn is_usable(place: DVec3) -> bool {
+    place.abs().cmple(DVec3::splat(MAX_IN_FILE)).all()
 }
 
 /// Where in a file's coordinates the zero of a scene with this box goes: along each axis zero, or

@@ -87,7 +87,7 @@ pub(super) fn add_emitters(draft: &mut Draft) -> Vec<FileLight> {
     for light in lights {
         let radius = if light.cone.is_some() { SPOT_RADIUS } else { RADIUS };
         let centre = light.world.transform_point3(DVec3::ZERO);
-        if !centre.to_array().into_iter().all(is_usable) {
+        if !is_usable(centre) {
             draft
                 .skipped
                 .note(format!("The light {} lies too far off and is left out.", sanitize::quoted(&light.name)));

@@ -22,7 +22,7 @@ use serde::{Deserialize, Serialize};
 
 use super::files::{FileError, MOST_TEXT_BYTES, SceneFiles, SceneFolder};
 use super::outside::{Daylight, SkySpec, SunSpec};
-use super::place::{FiledCamera, MAX_COORDINATE, is_usable as is_usable_coordinate};
+use super::place::{FiledCamera, MAX_COORDINATE, is_usable};
 use super::unit::Unit;
 use super::up::UpAxis;
 use super::{
@@ -319,11 +319,6 @@ impl Sidecar {
 /// Whether every colour is finite and between 0 and `most`.
 fn in_range(value: Vec3, most: f32) -> bool {
     value.is_finite() && value.min_element() >= 0.0 && value.max_element() <= most
-}
-
-/// Whether a place is finite and not too far off to reckon with.
-fn is_usable(place: DVec3) -> bool {
-    place.to_array().into_iter().all(is_usable_coordinate)
 }
 
 /// Why a luminaire cannot be used.

@@ -14,26 +14,20 @@ use super::triangulate::newell;
 pub enum UpAxis {
     /// y, as in glTF and most OBJ files.
     #[default]
-    Y,
+    Y = 1,
     /// z, as in building plans.
-    Z,
+    Z = 2,
 }
 
 impl UpAxis {
     /// The unit vector.
     pub fn vector(self) -> Vec3 {
-        match self {
-            Self::Y => Vec3::Y,
-            Self::Z => Vec3::Z,
-        }
+        Vec3::AXES[self as usize]
     }
 
     /// A point's level.
     pub(super) fn along(self, at: DVec3) -> f64 {
-        match self {
-            Self::Y => at.y,
-            Self::Z => at.z,
-        }
+        at[self as usize]
     }
 
     /// A point seen along the axis.

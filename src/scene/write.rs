@@ -11,6 +11,7 @@ use std::path::{Path, PathBuf};
 
 use glam::Vec3;
 
+use super::assemble::MAX_FILE_REFLECTANCE;
 use super::sidecar::{Sidecar, SidecarMaterial};
 use super::{GroupId, Material, Polygon, Scene, Sides, group_names};
 use crate::base::file;
@@ -46,9 +47,6 @@ pub(crate) fn write_file(
         Err(source) => Err(WriteError { path, source }),
     }
 }
-
-/// Loading clamps what a scene file says above this reflectance; a sidecar may say more.
-const HIGHEST_FILE_REFLECTANCE: f32 = 0.95;
 
 /// Writes `NAME.obj`, `NAME.mtl` and `NAME.selflink.json` into `dir`, which is made where it is
 /// missing, and returns the path of the OBJ.
@@ -115,8 +113,9 @@ fn mtl_text(materials: &[Material], names: &[String]) -> String {
 fn sidecar_text(scene: &Scene, names: &[String]) -> String {
     // Faces that were made into two opposite patches have been written once.
     let sides = if scene.polygons.iter().any(|polygon| polygon.is_back) { Sides::Both } else { scene.sides };
+    // Loading clamps what a scene file says; a sidecar may say more.
     let bright = (scene.materials.iter().zip(names))
-        .filter(|(material, _)| material.reflectance.max_element() > HIGHEST_FILE_REFLECTANCE)
+        .filter(|(material, _)| material.reflectance.max_element() > MAX_FILE_REFLECTANCE)
         .map(|(material, name)| {
             (name.clone(), SidecarMaterial { reflectance: Some(material.reflectance), ..Default::default() })
         });

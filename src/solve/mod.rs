@@ -115,12 +115,22 @@ impl Solver {
 
     /// A solution of a scene whose snapshots hold its elements and links.
     #[cfg(test)]
-    pub(crate) fn solved(scene: &Arc<Scene>, params: SolverParams) -> Self {
-        let occluders = Arc::new(Occluders::new(scene));
-        let mut solver = Self::new(scene.clone(), occluders, params, 1).expect("the parameters are valid");
+    pub(crate) fn solved(scene: impl Into<Arc<Scene>>, params: SolverParams) -> Self {
+        let scene = scene.into();
+        let occluders = Arc::new(Occluders::new(&scene));
+        let mut solver = Self::new(scene, occluders, params, 1).expect("the parameters are valid");
         assert!(solver.run(&crate::base::cancel::CancelToken::new()));
         solver.show_solution_view(true);
         solver
+    }
+
+    /// The elements and links of a scene's solution.
+    #[cfg(test)]
+    pub(crate) fn solved_view(
+        scene: impl Into<Arc<Scene>>,
+        params: SolverParams,
+    ) -> Arc<crate::transport::SolutionView> {
+        Self::solved(scene, params).snapshot().solution_view.expect("it was asked for")
     }
 
     fn over(links: LinkSolution, params: SolverParams, anchor_watts: f64, (generation, seconds): (u64, f64)) -> Self {

@@ -116,45 +116,20 @@ impl Default for SolverParams {
     }
 }
 
-/// A parameter that cannot be used, with what to do about it.
+/// A parameter that cannot be used: a sentence with what to do about it.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
-pub enum ParamsError {
-    /// An error is a share.
-    #[error("--error must be greater than 0 and less than 1 (it is {0}); try 0.05 for 5 %")]
-    Error(f64),
-    /// ε must be a positive number.
-    #[error("--epsilon must be greater than 0 (it is {0}); try 1e-3 for a coarse and 1e-5 for a fine solution")]
-    Epsilon(f64),
-    /// Factors must be positive numbers.
-    #[error("--{flag} must be greater than 0 and at most {most} (it is {value})")]
-    Factor {
-        /// The option.
-        flag: &'static str,
-        /// Value of the option.
-        value: f64,
-        /// The largest allowed value.
-        most: f64,
-    },
-    /// Bounds the wrong way round or out of range.
-    #[error("--rays-min ({min}) must be at least 1 and at most --rays-max ({max}), which must be at most 4096")]
-    Rays {
-        /// Lower bound.
-        min: u32,
-        /// Upper bound.
-        max: u32,
-    },
-    /// A budget that nothing fits into, or of more than there is.
-    #[error("--memory must be at least 1MiB, or more than 0% and at most 100% of the machine's memory (it is {0})")]
-    Memory(MemoryBudget),
-    /// Octree depth out of range.
-    #[error("--octree-depth must lie between 1 and 16 (it is {0})")]
-    OctreeDepth(u32),
-}
+#[error("{0}")]
+pub struct ParamsError(String);
 
 impl SolverParams {
     /// Parameters where nobody says anything: a target error is asked for.
     pub fn usual() -> Self {
         Self { error: Some(USUAL_ERROR), ..Self::default() }
+    }
+
+    /// The usual parameters with a share of Φ as ε.
+    pub fn with_epsilon(share: f64) -> Self {
+        Self { epsilon: Epsilon::Relative(share), ..Self::default() }
     }
 
     /// Name in files of a choice; `None` where it is left to the scene, and where the parameter is
@@ -272,31 +247,44 @@ impl SolverParams {
     /// # Errors
     /// The first field that cannot be used, as one sentence.
     pub fn validate(&self) -> Result<(), ParamsError> {
+        let Self { rays_min, rays_max, octree_depth, memory, .. } = *self;
         if let Some(error) = self.error.filter(|error| !(*error > 0.0 && *error < 1.0)) {
-            return Err(ParamsError::Error(error));
+            return unusable(format!(
+                "--error must be greater than 0 and less than 1 (it is {error}); try 0.05 for 5 %"
+            ));
         }
         let (Epsilon::Relative(epsilon) | Epsilon::Watts(epsilon)) = self.epsilon;
         if !(epsilon > 0.0 && epsilon.is_finite()) {
-            return Err(ParamsError::Epsilon(epsilon));
+            return unusable(format!(
+                "--epsilon must be greater than 0 (it is {epsilon}); try 1e-3 for a coarse and 1e-5 for a fine solution"
+            ));
         }
         let factors =
             [("partial-factor", self.partial_factor, 1.0), ("visibility-factor", self.visibility_factor, 1e4)];
         for (flag, value, most) in factors {
             if !(value > 0.0 && value <= most) {
-                return Err(ParamsError::Factor { flag, value, most });
+                return unusable(format!("--{flag} must be greater than 0 and at most {most} (it is {value})"));
             }
         }
-        if self.rays_min < 1 || self.rays_min > self.rays_max || self.rays_max > 4096 {
-            return Err(ParamsError::Rays { min: self.rays_min, max: self.rays_max });
+        if rays_min < 1 || rays_min > rays_max || rays_max > 4096 {
+            return unusable(format!(
+                "--rays-min ({rays_min}) must be at least 1 and at most --rays-max ({rays_max}), which must be at most 4096"
+            ));
         }
-        if !(1..=16).contains(&self.octree_depth) {
-            return Err(ParamsError::OctreeDepth(self.octree_depth));
+        if !(1..=16).contains(&octree_depth) {
+            return unusable(format!("--octree-depth must lie between 1 and 16 (it is {octree_depth})"));
         }
-        if !self.memory.is_usable() {
-            return Err(ParamsError::Memory(self.memory));
+        if !memory.is_usable() {
+            return unusable(format!(
+                "--memory must be at least 1MiB, or more than 0% and at most 100% of the machine's memory (it is {memory})"
+            ));
         }
         Ok(())
     }
+}
+
+fn unusable(sentence: String) -> Result<(), ParamsError> {
+    Err(ParamsError(sentence))
 }
 
 /// The name of a choice, as files spell it.

@@ -14,7 +14,7 @@ use crate::scene::MaterialId;
 use crate::transport::SolutionView;
 
 /// One state of the solution, valid for what is there.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct Snapshot {
     /// Counts up with each scene or rebuilt hierarchy; a view drops what carries an older one.
     pub generation: u64,

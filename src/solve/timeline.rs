@@ -206,9 +206,8 @@ impl Solver {
             mesh: reconstruction.mesh,
             clusters: reconstruction.clusters,
             former_step: Some(step),
-            field: None,
-            solution_view: None,
             stats: info.stats,
+            ..Snapshot::default()
         };
         let solution_view = wants_solution_view.then(|| {
             let rules = LinkRules { epsilon_watts: snapshot.stats.epsilon_watts, ..*self.links.rules() };
@@ -223,13 +222,12 @@ mod tests {
     use super::*;
     use crate::geometry::Occluders;
     use crate::scene::builtin::BuiltinScene;
-    use crate::solve::{Epsilon, SolverParams, Step};
+    use crate::solve::{SolverParams, Step};
 
     fn solver(epsilon: f64) -> Solver {
         let scene = Arc::new(BuiltinScene::Cornell.build());
         let occluders = Arc::new(Occluders::new(&scene));
-        let params = SolverParams { epsilon: Epsilon::Relative(epsilon), ..SolverParams::default() };
-        Solver::new(scene, occluders, params, 1).expect("the parameters are valid")
+        Solver::new(scene, occluders, SolverParams::with_epsilon(epsilon), 1).expect("the parameters are valid")
     }
 
     /// Truth: what was to be seen when the wave ended.

@@ -278,23 +278,15 @@ impl BySource {
 
 #[cfg(test)]
 mod tests {
-    use std::sync::Arc;
-
     use super::*;
     use crate::scene::builtin::BuiltinScene;
-    use crate::solve::{Epsilon, Solver, SolverParams};
-
-    fn solution_view() -> Arc<SolutionView> {
-        let scene = Arc::new(BuiltinScene::Cornell.build());
-        let params = SolverParams { epsilon: Epsilon::Relative(3e-3), ..SolverParams::default() };
-        Solver::solved(&scene, params).snapshot().solution_view.expect("it was asked for")
-    }
+    use crate::solve::{Solver, SolverParams};
 
     /// Truth: each link comes in at one end and goes out at the other, and carries the same power
     /// there.
     #[test]
     fn what_goes_out_comes_in() {
-        let solution_view = solution_view();
+        let solution_view = Solver::solved_view(BuiltinScene::Cornell.build(), SolverParams::with_epsilon(3e-3));
         let hierarchy = solution_view.hierarchy();
         let (mut incoming, mut outgoing) = (Vec::new(), Vec::new());
         for id in hierarchy.ids() {

@@ -289,11 +289,9 @@ impl Change {
 
 #[cfg(test)]
 mod tests {
-    use std::sync::Arc;
-
     use super::*;
     use crate::scene::builtin::BuiltinScene;
-    use crate::solve::{Epsilon, Solver, SolverParams};
+    use crate::solve::{Solver, SolverParams};
     use crate::transport::Push;
 
     /// Truth: the leaves themselves, one by one. Where none of them is lit by less than nothing,
@@ -301,8 +299,8 @@ mod tests {
     #[test]
     fn the_rim_of_the_stem_reflects_what_its_leaves_do() {
         for push in [Push::Immediate, Push::Deferred] {
-            let params = SolverParams { epsilon: Epsilon::Relative(3e-2), push, ..SolverParams::default() };
-            let solved = Solver::solved(&Arc::new(BuiltinScene::Office.build()), params);
+            let params = SolverParams { push, ..SolverParams::with_epsilon(3e-2) };
+            let solved = Solver::solved(BuiltinScene::Office.build(), params);
             let solution = solved.link_solution();
             let never = CancelToken::new();
             let gatherer = solution.gatherer(solution.links(), false);

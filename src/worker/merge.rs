@@ -44,10 +44,10 @@ mod tests {
 
     use super::*;
     use crate::scene::{Kept, MaterialId};
-    use crate::solve::{Epsilon, SolverParams};
+    use crate::solve::SolverParams;
 
     fn params(epsilon: f64) -> Command {
-        Command::SetParams(SolverParams { epsilon: Epsilon::Relative(epsilon), ..SolverParams::default() })
+        Command::SetParams(SolverParams::with_epsilon(epsilon))
     }
 
     fn emission(material: u32, watts: f32) -> Command {

@@ -43,11 +43,9 @@ pub fn show(ui: &mut Ui, info: &Arc<SceneInfo>, comparison: &mut Comparison, wak
 
 fn show_offer(ui: &mut Ui, info: &Arc<SceneInfo>, comparison: &mut Comparison, wake: &Wake) -> Result<(), String> {
     ui.label(theme::weak("How far is this picture from the truth? A path tracer finds out in the background."));
-    rows::row(ui, "Points", |ui| {
-        let slider = Slider::new(&mut comparison.points, POINTS).logarithmic(true);
-        ui.add(slider)
-            .on_hover_text("Points on the surfaces that are compared; more of them show errors in finer detail")
-    });
+    let slider = Slider::new(&mut comparison.points, POINTS).logarithmic(true);
+    let hint = "Points on the surfaces that are compared; more of them show errors in finer detail";
+    rows::widget(ui, "Points", slider, hint);
     let can_compare = info.has_light;
     let button = ui.add_enabled(can_compare, egui::Button::new(words::COMPARE_WITH_REFERENCE));
     if button.on_disabled_hover_text("Nothing in this scene emits light").clicked() {

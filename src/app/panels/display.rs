@@ -50,14 +50,8 @@ fn show_exposure(ui: &mut Ui, display: &mut DisplaySettings, metered: f32) {
         true => (&mut display.auto_stops, "Correction of the automatic exposure; one stop is a factor of 2"),
         false => (&mut display.manual_stops, "0 stops shows 1 W/m² as white before the tone curve"),
     };
-    rows::row(ui, words::EXPOSURE, |ui| {
-        let slider = Slider::new(stops, STOPS)
-            .clamping(egui::SliderClamping::Edits)
-            .fixed_decimals(1)
-            .suffix(" stops")
-            .trailing_fill(false);
-        ui.add(slider).on_hover_text(hint)
-    });
+    let slider = Slider::new(stops, STOPS).clamping(egui::SliderClamping::Edits).fixed_decimals(1).suffix(" stops");
+    rows::widget(ui, words::EXPOSURE, slider.trailing_fill(false), hint);
 }
 
 fn show_clusters(ui: &mut Ui, shown: &Shown, display: &mut DisplaySettings) {

@@ -52,18 +52,14 @@ pub fn show(ui: &mut Ui, shown: &Shown, links: &mut LinkOverlay) {
         ],
     );
     let filter = &mut links.filter;
-    rows::row(ui, words::STRONGEST_LINKS, |ui| {
-        let slider = Slider::new(&mut filter.strongest, STRONGEST).logarithmic(true);
-        ui.add(slider).on_hover_text("The most that are drawn, the strongest first")
-    });
-    rows::row(ui, "Minimum power", |ui| {
-        let slider = Slider::new(&mut filter.least_power, LEAST_POWER)
-            .logarithmic(true)
-            .smallest_positive(LEAST_POWER_ABOVE_0)
-            .custom_formatter(|share, _| format!("{} ε", format::number(share)));
-        ui.add(slider)
-            .on_hover_text("Links whose strongest channel carries less are left out; as a share of the threshold ε")
-    });
+    let slider = Slider::new(&mut filter.strongest, STRONGEST).logarithmic(true);
+    rows::widget(ui, words::STRONGEST_LINKS, slider, "The most that are drawn, the strongest first");
+    let slider = Slider::new(&mut filter.least_power, LEAST_POWER)
+        .logarithmic(true)
+        .smallest_positive(LEAST_POWER_ABOVE_0)
+        .custom_formatter(|share, _| format!("{} ε", format::number(share)));
+    let hint = "Links whose strongest channel carries less are left out; as a share of the threshold ε";
+    rows::widget(ui, "Minimum power", slider, hint);
     show_kinds(ui, filter);
     ui.checkbox(&mut links.style.ends, words::OUTLINES_OF_ENDS)
         .on_hover_text("Rims of patches and boxes of clusters at both ends of each link");

@@ -41,6 +41,13 @@ impl Shading {
             Self::Lit | Self::Error => along_ramp(&VIRIDIS, difference.abs() / FULL_SCALE),
         }
     }
+
+    /// A snapshot whose vertices have the colours of these relative errors.
+    pub fn painted(self, of: &Snapshot, differences: &[f32]) -> Arc<Snapshot> {
+        let colour = |&difference: &f32| self.colour(difference).map(|channel| f32::from(channel) / 255.0);
+        let vertex_radiosity = differences.iter().map(colour).collect();
+        Arc::new(Snapshot { vertex_radiosity, serial: fresh_serial(), ..of.clone() })
+    }
 }
 
 /// The error of a solve at one time.
@@ -222,14 +229,8 @@ impl Comparison {
         let measured = self.report.measured.as_ref().filter(|_| self.shading != Shading::Lit)?;
         let is_painted = |painted: &Painted| (painted.serial, painted.shading) == (measured.serial, self.shading);
         if !self.painted.as_ref().is_some_and(is_painted) {
-            let colour = |&difference: &f32| self.shading.colour(difference).map(|channel| f32::from(channel) / 255.0);
-            let snapshot = Snapshot {
-                vertex_radiosity: measured.differences.iter().map(colour).collect(),
-                serial: fresh_serial(),
-                ..(*measured.snapshot).clone()
-            };
-            self.painted =
-                Some(Painted { serial: measured.serial, shading: self.shading, snapshot: Arc::new(snapshot) });
+            let snapshot = self.shading.painted(&measured.snapshot, &measured.differences);
+            self.painted = Some(Painted { serial: measured.serial, shading: self.shading, snapshot });
         }
         self.painted.as_ref().map(|painted| painted.snapshot.clone())
     }

@@ -171,7 +171,7 @@ mod tests {
     fn the_gathered_irradiance_stands_beside_that_of_the_links() {
         let scene = Arc::new(BuiltinScene::Cornell.build());
         let params = SolverParams { error: Some(0.1), ..SolverParams::usual() };
-        let snapshot = Solver::solved(&scene, params).snapshot();
+        let snapshot = Solver::solved(scene.clone(), params).snapshot();
         let solution_view = snapshot.solution_view.clone().expect("it was asked for");
         let facts = |id| Facts::of(&snapshot, &solution_view, &scene, id);
         let whole = facts(Hierarchy::ROOT);

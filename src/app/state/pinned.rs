@@ -6,7 +6,7 @@ use std::task::Poll;
 
 use crate::app::Wake;
 use crate::app::state::comparison::Shading;
-use crate::app::view::paint::{Beside, fresh_serial};
+use crate::app::view::paint::Beside;
 use crate::base::threads::Background;
 use crate::measure::accuracy::{Contrast, contrast};
 use crate::solve::{Snapshot, SolverParams};
@@ -125,12 +125,6 @@ impl Pinned {
 
 impl Difference {
     fn new(of: Arc<Snapshot>, found: &Contrast) -> Self {
-        let colour = |&value: &f32| Shading::Difference.colour(value).map(|channel| f32::from(channel) / 255.0);
-        let painted = Snapshot {
-            vertex_radiosity: found.at_vertices.iter().map(colour).collect(),
-            serial: fresh_serial(),
-            ..(*of).clone()
-        };
-        Self { rms: found.rms, painted: Arc::new(painted), of }
+        Self { rms: found.rms, painted: Shading::Difference.painted(&of, &found.at_vertices), of }
     }
 }

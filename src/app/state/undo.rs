@@ -77,21 +77,14 @@ impl History {
         self.now = Some(settings);
     }
 
-    fn undo(&mut self, settings: Undoable) -> Option<Undoable> {
+    /// Takes the last change back, or makes the one again that was taken back last.
+    fn step(&mut self, again: bool, settings: Undoable) -> Option<Undoable> {
         // A drag that is not over yet is a step too.
         self.note(&settings);
-        let former = self.past.pop()?;
-        self.future.push(settings);
-        self.now = Some(former.clone());
-        Some(former)
-    }
-
-    fn redo(&mut self, settings: Undoable) -> Option<Undoable> {
-        self.note(&settings);
-        let later = self.future.pop()?;
-        self.past.push(settings);
-        self.now = Some(later.clone());
-        Some(later)
+        let (from, to) = if again { (&mut self.future, &mut self.past) } else { (&mut self.past, &mut self.future) };
+        self.now = Some(from.pop()?);
+        to.push(settings);
+        self.now.clone()
     }
 }
 
@@ -107,17 +100,9 @@ impl App {
         }
     }
 
-    pub(in crate::app) fn undo(&mut self, outbox: &mut Outbox) {
-        let former = self.edits.history.undo(self.undoable());
-        self.restore(former, outbox);
-    }
-
-    pub(in crate::app) fn redo(&mut self, outbox: &mut Outbox) {
-        let later = self.edits.history.redo(self.undoable());
-        self.restore(later, outbox);
-    }
-
-    fn restore(&mut self, settings: Option<Undoable>, outbox: &mut Outbox) {
+    /// Takes the last change back, or makes the one again that was taken back last.
+    pub(in crate::app) fn undo(&mut self, again: bool, outbox: &mut Outbox) {
+        let settings = self.edits.history.step(again, self.undoable());
         let Some(Undoable { params, display, lighting, daylight, task_area }) = settings else { return };
         if params != self.edits.params {
             outbox.push(Command::SetParams(params));
@@ -202,13 +187,13 @@ mod tests {
         for level in [1, 2, 2, 3] {
             history.note(&with_level(level));
         }
-        assert_eq!(history.undo(with_level(3)), Some(with_level(2)));
-        assert_eq!(history.undo(with_level(2)), Some(with_level(1)));
-        assert_eq!(history.undo(with_level(1)), None);
-        assert_eq!(history.redo(with_level(1)), Some(with_level(2)));
+        assert_eq!(history.step(false, with_level(3)), Some(with_level(2)));
+        assert_eq!(history.step(false, with_level(2)), Some(with_level(1)));
+        assert_eq!(history.step(false, with_level(1)), None);
+        assert_eq!(history.step(true, with_level(1)), Some(with_level(2)));
         history.note(&with_level(7));
-        assert_eq!(history.redo(with_level(7)), None);
-        assert_eq!(history.undo(with_level(7)), Some(with_level(2)));
+        assert_eq!(history.step(true, with_level(7)), None);
+        assert_eq!(history.step(false, with_level(7)), Some(with_level(2)));
     }
 
     /// Truth: settings that the program makes by itself are neither a step nor undone.
@@ -217,6 +202,6 @@ mod tests {
         let mut history = History::default();
         history.take_as_given(with_level(1));
         history.take_as_given(with_level(2));
-        assert_eq!(history.undo(with_level(2)), None);
+        assert_eq!(history.step(false, with_level(2)), None);
     }
 }

@@ -126,10 +126,8 @@ fn show_plane_setup(ui: &mut Ui, shown: &Shown, measuring: &mut Measuring, wake:
         ("Margin to walls", &mut plane.margin, "Strip along the rim of the floor that is left out (EN 12464-1: 0.5 m)"),
     ];
     for (label, length, hint) in fields {
-        rows::row(ui, label, |ui| {
-            let field = DragValue::new(length).speed(0.01).range(LENGTHS).max_decimals(3).suffix(" m");
-            ui.add(field).on_hover_text(hint)
-        });
+        let field = DragValue::new(length).speed(0.01).range(LENGTHS).max_decimals(3).suffix(" m");
+        rows::widget(ui, label, field, hint);
     }
     show_area(ui, shown, measuring);
     if measuring.plane != before {
@@ -242,15 +240,12 @@ fn show_area(ui: &mut Ui, shown: &Shown, measuring: &mut Measuring) {
 
 /// The average and the uniformity that the plane is to have, and whether it has.
 fn show_target(ui: &mut Ui, plane: &PlaneReading, measuring: &mut Measuring) {
-    rows::row(ui, words::TARGET_AVERAGE, |ui| {
-        let field = DragValue::new(&mut measuring.target).speed(5.0).range(1.0..=1e5).max_decimals(0).suffix(" lx");
-        ui.add(field)
-            .on_hover_text("Illuminance that the task asks for, such as 500 lx for writing and reading (EN 12464-1)")
-    });
-    rows::row(ui, words::TARGET_UNIFORMITY, |ui| {
-        let field = DragValue::new(&mut measuring.least_uniformity).speed(0.01).range(0.0..=1.0).max_decimals(2);
-        ui.add(field).on_hover_text("Minimum over average that the task asks for, such as 0.6 (EN 12464-1)")
-    });
+    let field = DragValue::new(&mut measuring.target).speed(5.0).range(1.0..=1e5).max_decimals(0).suffix(" lx");
+    let hint = "Illuminance that the task asks for, such as 500 lx for writing and reading (EN 12464-1)";
+    rows::widget(ui, words::TARGET_AVERAGE, field, hint);
+    let field = DragValue::new(&mut measuring.least_uniformity).speed(0.01).range(0.0..=1.0).max_decimals(2);
+    let hint = "Minimum over average that the task asks for, such as 0.6 (EN 12464-1)";
+    rows::widget(ui, words::TARGET_UNIFORMITY, field, hint);
     let (summary, is_stale) = (plane.summary(), measuring.plane_is_stale());
     if summary.points == 0 {
         return;

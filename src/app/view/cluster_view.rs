@@ -132,12 +132,10 @@ const JUST_BEFORE: f32 = 1e-4;
 mod tests {
     use super::*;
     use crate::scene::builtin::BuiltinScene;
-    use crate::solve::{Epsilon, Solver, SolverParams};
+    use crate::solve::{Solver, SolverParams};
 
     fn snapshot() -> Arc<Snapshot> {
-        let scene = Arc::new(BuiltinScene::Cornell.build());
-        let params = SolverParams { epsilon: Epsilon::Relative(1e-2), ..SolverParams::default() };
-        Arc::new(Solver::solved(&scene, params).snapshot())
+        Solver::solved(BuiltinScene::Cornell.build(), SolverParams::with_epsilon(1e-2)).snapshot().into()
     }
 
     /// Truth: the surface that a ray meets in the picture is the one that its stand-in meets in the

@@ -1,6 +1,6 @@
 //! Rows that many panels have: labelled widgets, lists, alternatives, levels, sentences.
 
-use egui::{Color32, ComboBox, Label, Response, RichText, Slider, Ui, WidgetText};
+use egui::{Color32, ComboBox, Label, Response, RichText, Slider, Ui, Widget, WidgetText};
 
 use crate::app::widgets::theme::{self, SLIDER_WIDTH, VALUE_WIDTH};
 
@@ -28,6 +28,11 @@ pub fn row(ui: &mut Ui, label: &str, widget: impl FnOnce(&mut Ui) -> Response) -
         (label, widget)
     });
     row.inner.0 | row.inner.1
+}
+
+/// A labelled row with a widget of its own kind, and a hint to it.
+pub fn widget(ui: &mut Ui, label: &str, widget: impl Widget, hint: &str) -> Response {
+    row(ui, label, |ui| ui.add(widget).on_hover_text(hint))
 }
 
 /// The label at the left of a row, on several lines where it is long.

@@ -9,6 +9,7 @@ use std::f64::consts::PI;
 use glam::{DVec3, Vec3, vec3};
 
 use super::closed_forms::{self, Span};
+use crate::measure::stability::scenes::add_box;
 use crate::scene::{GroupId, MaterialId, Scene};
 
 /// A scene and what is known of it.
@@ -120,7 +121,7 @@ fn furnace(reflectance: f64) -> Case {
     let name = if reflectance < 0.9 { "furnace, ρ = 0.5" } else { "furnace, ρ = 0.95" };
     let mut scene = Scene::new(name);
     let wall = scene.add_material("wall", Vec3::splat(reflectance as f32), Vec3::ONE);
-    add_room(&mut scene, Vec3::ONE, [wall; 6]);
+    add_box(&mut scene, (Vec3::ZERO, Vec3::ONE), true, (wall, GroupId(0)));
     let truth = closed_forms::closed_room(1.0, 1.0, reflectance);
     let readings = [
         mean("all walls", (0..6).collect(), truth),
@@ -138,9 +139,8 @@ fn cubes() -> [Case; 3] {
         let mut scene = Scene::new(name);
         let grey = scene.add_material("grey", Vec3::splat(reflectance as f32), Vec3::ZERO);
         let emitter = scene.add_material("ceiling", Vec3::splat(ceiling_reflectance as f32), Vec3::ONE);
-        let mut faces = [grey; 6];
-        faces[CEILING as usize] = emitter;
-        add_room(&mut scene, Vec3::ONE, faces);
+        add_box(&mut scene, (Vec3::ZERO, Vec3::ONE), true, (grey, GroupId(0)));
+        scene.polygons[CEILING as usize].material = emitter;
         let walls = (0..6).filter(|face| ![FLOOR, CEILING].contains(face)).collect();
         let mut readings =
             vec![mean("floor", vec![FLOOR], floor / reflectance), mean("walls", walls, wall / reflectance)];
@@ -277,14 +277,9 @@ fn cie_5_8() -> Case {
         let group = scene.add_group(&format!("cube_{index}"), GroupId(0));
         let aside = vec3(5.0 * index as f32, 0.0, 0.0);
         let first = scene.polygons.len();
-        add_room(&mut scene, Vec3::splat(4.0), [wall; 6]);
+        add_box(&mut scene, (aside, aside + 4.0), true, (wall, group));
         let square = [2.0 - 0.5 * side, 2.0 + 0.5 * side];
-        scene.add_quad(level(square, square, 2.0, false), emitter, group);
-        for polygon in &mut scene.polygons[first..] {
-            polygon.group = group;
-        }
-        let corner = scene.vertices.len() - 28;
-        scene.vertices[corner..].iter_mut().for_each(|vertex| *vertex += aside);
+        scene.add_quad(level(square, square, 2.0, false).map(|corner| corner + aside), emitter, group);
         let truth = closed_forms::closed_room(10_000.0, 96.0, reflectance);
         let faces = (first as u32..first as u32 + 6).collect();
         let reading = Reading { unit: "lx", ..mean(&format!("ρ = {reflectance}"), faces, truth) };
@@ -323,7 +318,8 @@ pub(crate) fn lamp_and_black(scene: &mut Scene, exitance: f64) -> (MaterialId, M
     (lamp, scene.add_material("black", Vec3::ZERO, Vec3::ZERO))
 }
 
-fn corners(scene: &Scene, polygon: usize) -> Vec<DVec3> {
+/// Corners of a polygon.
+pub(crate) fn corners(scene: &Scene, polygon: usize) -> Vec<DVec3> {
     let (corners, count) = scene.corner_positions(&scene.polygons[polygon]);
     corners[..count].iter().map(|corner| corner.as_dvec3()).collect()
 }
@@ -352,18 +348,9 @@ fn turned(mut corners: [Vec3; 4], stays: bool) -> [Vec3; 4] {
     corners
 }
 
+/// Faces of a room that [`add_box`] made.
 const FLOOR: u32 = 2;
 const CEILING: u32 = 5;
-
-/// Adds the six faces of a box from the origin, bright inside: x, y and z low, then high.
-fn add_room(scene: &mut Scene, size: Vec3, of: [MaterialId; 6]) {
-    let corner =
-        |index: usize| size * Vec3::from_array([0, 1, 2].map(|axis| if index >> axis & 1 == 1 { 1.0 } else { 0.0 }));
-    let faces = [[2, 6, 4, 0], [4, 5, 1, 0], [1, 3, 2, 0], [5, 7, 3, 1], [3, 7, 6, 2], [6, 7, 5, 4]];
-    for (face, material) in faces.into_iter().zip(of) {
-        scene.add_quad(face.map(corner), material, GroupId(0));
-    }
-}
 
 /// The triangles of a unit sphere, bright inside: an icosahedron, each face cut into four so many
 /// times.

@@ -91,7 +91,7 @@ mod tests {
     use std::sync::Arc;
 
     use super::*;
-    use crate::solve::{Leaf, Stats};
+    use crate::solve::Leaf;
 
     /// A square of side 1 at z = 0 in n × n quads, lit by a function of x.
     fn lit(n: usize, light: impl Fn(f32) -> f32) -> Snapshot {
@@ -107,18 +107,11 @@ mod tests {
         let triangles: Vec<[u32; 3]> = (0..n * n).flat_map(quad).collect();
         let triangle_leaf = vec![0; triangles.len()];
         Snapshot {
-            generation: 1,
-            serial: 1,
             mesh: Arc::new(Mesh { positions, triangles, triangle_leaf, leaves: vec![leaf], ..Mesh::default() }),
             vertex_radiosity,
-            vertex_irradiance: Vec::new(),
             leaf_irradiance: vec![[1.0; 3]],
             leaf_radiosity: vec![[1.0; 3]],
-            clusters: Arc::default(),
-            former_step: None,
-            field: None,
-            solution_view: None,
-            stats: Stats::default(),
+            ..Snapshot::default()
         }
     }
 

@@ -101,8 +101,7 @@ pub fn target_table(chart: &Chart) -> String {
     };
     let head =
         ["target", "certificate", "p50", "p90", "p95", "RMS of B", "time", "links", "vertices", "path tracer", "ratio"];
-    let head = head.map(String::from).into();
-    Table { caption: LOCAL_ERROR.into(), head, rows: asked.iter().map(row).collect() }.markdown_with(0)
+    Table::new(LOCAL_ERROR, head, asked.iter().map(row).collect()).markdown_with(0)
 }
 
 /// Caption of the tables: the metrics of their figures.

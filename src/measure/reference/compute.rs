@@ -21,6 +21,16 @@ pub struct Target {
     pub limit: Option<Duration>,
 }
 
+/// A reference that is asked for.
+pub struct Wish {
+    /// Random points.
+    pub points: usize,
+    /// When it is good enough.
+    pub target: Target,
+    /// Where it is kept.
+    pub cache: Option<Cache>,
+}
+
 /// How far a reference came.
 #[derive(Debug)]
 pub struct Outcome {

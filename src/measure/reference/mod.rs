@@ -44,7 +44,7 @@ mod view;
 
 pub use cache::Cache;
 pub(super) use compute::SAVE_EVERY;
-pub use compute::{LEAST_PASSES, Outcome, Target, compute};
+pub use compute::{LEAST_PASSES, Outcome, Target, Wish, compute};
 pub use key::Key;
 pub use lamps::point_on_polygon;
 pub use path::Tracer;

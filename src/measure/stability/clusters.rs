@@ -74,10 +74,12 @@ fn lit_backs() -> Result<Vec<Check>, SolverError> {
     let scene = tray();
     let truth = parallel_exchange(UNIT, UNIT, UNIT, UNIT, 2.0);
     let mut checks = Vec::new();
+    let lit_and_dark = |params: SolverParams| -> Result<[f64; 2], SolverError> {
+        let solved = solve(&scene, params)?;
+        Ok([1..10, 10..19].map(|part| part.map(|polygon| received(&solved, polygon)).sum()))
+    };
     for (mode, epsilon) in at_each([1.0, 1e-2, 1e-4]) {
-        let solved = solve(&scene, params(mode, epsilon))?;
-        let lit: f64 = (1..10).map(|polygon| received(&solved, polygon)).sum();
-        let dark: f64 = (10..19).map(|polygon| received(&solved, polygon)).sum();
+        let [lit, dark] = lit_and_dark(params(mode, epsilon))?;
         let at = format!("{mode:?}, ε = {epsilon:e}");
         let check = Check::within(format!("faces, W, {at}"), truth, lit, 0.02);
         checks.push(check.known_where(epsilon > 1e-4, if epsilon < 1.0 { 0.06 * truth } else { 0.2 * truth }));
@@ -86,9 +88,7 @@ fn lit_backs() -> Result<Vec<Check>, SolverError> {
     // The paper's clusters at their plainest: a volume's cosine of ¼, and light handed down evenly.
     let plain = SolverParams { cluster_model: ClusterModel::Isotropic, ..params(ClusteringMode::Groups, 1.0) };
     for (what, push) in [("immediate", Push::Immediate), ("deferred", Push::Deferred)] {
-        let solved = solve(&scene, SolverParams { push, ..plain })?;
-        let lit: f64 = (1..10).map(|polygon| received(&solved, polygon)).sum();
-        let dark: f64 = (10..19).map(|polygon| received(&solved, polygon)).sum();
+        let [lit, dark] = lit_and_dark(SolverParams { push, ..plain })?;
         let check = Check::within(format!("faces, W, isotropic, {what} push, ε = 1"), truth, lit, 0.02);
         checks.push(check.known_within(0.8));
         let check = Check::near(format!("backs, W, isotropic, {what} push, ε = 1"), 0.0, dark, 1e-6 * truth);

@@ -8,7 +8,7 @@ use super::scenes::add_box;
 use super::{Check, Row};
 use crate::geometry::orient;
 use crate::measure::accuracy::by_solver;
-use crate::measure::accuracy::cases::{Case, lamp_and_black, level, point};
+use crate::measure::accuracy::cases::{Case, corners, lamp_and_black, level, point};
 use crate::measure::accuracy::closed_forms::{Span, parallel_exchange, point_to_polygon};
 use crate::scene::{GroupId, MaterialId, Scene, Sides};
 use crate::solve::{ClusteringMode, Solver, SolverError, SolverParams};
@@ -136,8 +136,7 @@ fn shadow_leak() -> Result<Vec<Check>, SolverError> {
     let panel = scene.add_group("panel", GroupId(0));
     let (low, high) = (0.713_f32, 1.229);
     add_box(&mut scene, (vec3(low, low, 0.0), vec3(high, high, 0.02)), false, (black, panel));
-    let (corners, count) = scene.corner_positions(&scene.polygons[0]);
-    let lamp: Vec<DVec3> = corners[..count].iter().map(|corner| corner.as_dvec3()).collect();
+    let lamp = corners(&scene, 0);
     // 3 and 8 cm off each edge the lamp stands wholly above the panel's rim.
     let middle = 0.5 * (low + high);
     let around = [(low, -1.0, true), (high, 1.0, true), (low, -1.0, false), (high, 1.0, false)];

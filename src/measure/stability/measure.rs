@@ -8,7 +8,7 @@ use crate::base::cancel::CancelToken;
 use crate::geometry::Occluders;
 use crate::hierarchy::{ElementId, Hierarchy, Shape};
 use crate::scene::Scene;
-use crate::solve::{ClusteringMode, Epsilon, Solver, SolverError, SolverParams};
+use crate::solve::{ClusteringMode, Solver, SolverError, SolverParams};
 
 /// Every way to build clusters.
 pub const MODES: [ClusteringMode; 4] =
@@ -24,7 +24,7 @@ pub fn at_each<const N: usize>(epsilons: [f64; N]) -> impl Iterator<Item = (Clus
 
 /// The default parameters with these clusters and this relative ε.
 pub fn params(clustering: ClusteringMode, epsilon: f64) -> SolverParams {
-    SolverParams { clustering, epsilon: Epsilon::Relative(epsilon), ..SolverParams::default() }
+    SolverParams { clustering, ..SolverParams::with_epsilon(epsilon) }
 }
 
 /// A finished solve of a scene whose faces are bright as they are wound.

@@ -86,8 +86,8 @@ pub fn claims_markdown(reports: &[Report]) -> String {
         ]
     };
     let claims = reports.iter().flat_map(|report| report.claims.iter().map(move |claim| (report, claim)));
-    let head = ["where", "the paper", "here", "verdict", "rule", "command"].map(String::from).into();
-    Table { caption: String::new(), head, rows: claims.map(row).collect() }.markdown_with(6)
+    let head = ["where", "the paper", "here", "verdict", "rule", "command"];
+    Table::new("", head, claims.map(row).collect()).markdown_with(6)
 }
 
 #[cfg(test)]

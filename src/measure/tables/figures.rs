@@ -7,7 +7,7 @@ use image::{Rgb, RgbImage, RgbaImage, imageops};
 use super::Part;
 use super::claims::{Claim, Verdict};
 use super::columns::{Column, left_out_remarks, records, table};
-use super::lab::{Lab, LeftOut, Run, with_epsilon};
+use super::lab::{Lab, LeftOut, Run};
 use super::report::Report;
 use crate::base::format::percent;
 use crate::base::photometry::weighted;
@@ -42,7 +42,8 @@ struct Pair {
 
 fn pairs(lab: &Lab<'_>) -> Vec<Pair> {
     let effort = &lab.effort;
-    let (seminar, office) = (with_epsilon(effort.seminar_epsilon), with_epsilon(effort.office_epsilon));
+    let (seminar, office) =
+        (SolverParams::with_epsilon(effort.seminar_epsilon), SolverParams::with_epsilon(effort.office_epsilon));
     let [coarse, fine] = effort.coarse_and_fine;
     let of = |clustering, params| SolverParams { clustering, octree_depth: 5, ..params };
     let groups = of(ClusteringMode::Groups, office);
@@ -59,8 +60,8 @@ fn pairs(lab: &Lab<'_>) -> Vec<Pair> {
             caption: "Figures 3 and 4: office, fast and coarse (left) and fine (right)".into(),
             scene: effort.office,
             sides: [
-                (format!("coarse, ε = {coarse:e} Φ"), with_epsilon(coarse)),
-                (format!("fine, ε = {fine:e} Φ"), with_epsilon(fine)),
+                (format!("coarse, ε = {coarse:e} Φ"), SolverParams::with_epsilon(coarse)),
+                (format!("fine, ε = {fine:e} Φ"), SolverParams::with_epsilon(fine)),
             ],
         },
         Pair {

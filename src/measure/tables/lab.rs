@@ -11,23 +11,13 @@ use crate::geometry::Occluders;
 use crate::geometry::orient;
 use crate::measure::accuracy::{ErrorMeter, SolutionError};
 use crate::measure::chart::within;
-use crate::measure::reference::{Cache, Reference, ReferenceRun, Target, compute, random_points};
+use crate::measure::reference::{Reference, ReferenceRun, Wish, compute, random_points};
 use crate::scene::{Scene, builtin::BuiltinScene};
-use crate::solve::{Epsilon, Snapshot, Solver, SolverParams, Stats};
+use crate::solve::{Snapshot, Solver, SolverParams, Stats};
 use crate::transport::VisibilitySource;
 
 /// Seed of the reference's points and paths, the same as the solver's default.
 const SEED: u64 = 1;
-
-/// References that errors are measured by.
-pub struct Truth {
-    /// Random points.
-    pub points: usize,
-    /// When the reference is good enough.
-    pub target: Target,
-    /// Where references are kept.
-    pub cache: Option<Cache>,
-}
 
 /// A scene that is ready to be solved. Its occluders are built already: no time of a run holds
 /// them.
@@ -150,14 +140,14 @@ pub struct LeftOut {
 pub struct Lab<'a> {
     /// Parameters of the run.
     pub effort: Effort,
-    truth: Truth,
+    truth: Wish,
     references: FxHashMap<BuiltinScene, Arc<Reference>>,
     tell: &'a mut (dyn FnMut(&str) + Send),
 }
 
 impl<'a> Lab<'a> {
     /// A lab that tells what it does, line by line.
-    pub fn new(effort: Effort, truth: Truth, tell: &'a mut (dyn FnMut(&str) + Send)) -> Self {
+    pub fn new(effort: Effort, truth: Wish, tell: &'a mut (dyn FnMut(&str) + Send)) -> Self {
         Self { effort, truth, references: FxHashMap::default(), tell }
     }
 
@@ -265,11 +255,6 @@ impl<'a> Lab<'a> {
         };
         Ok((run, snapshot))
     }
-}
-
-/// The usual parameters with a share of Φ as ε.
-pub fn with_epsilon(epsilon: f64) -> SolverParams {
-    SolverParams { epsilon: Epsilon::Relative(epsilon), ..SolverParams::default() }
 }
 
 /// The median; NaN of nothing.

@@ -26,7 +26,7 @@ mod table2;
 pub use claims::{Claim, Verdict, claims_markdown};
 pub use effort::Effort;
 pub use fit::{PowerLaw, fit};
-pub use lab::{Lab, LeftOut, Room, Run, Truth};
+pub use lab::{Lab, LeftOut, Room, Run};
 pub use report::Report;
 
 /// A part of the paper that can be run by itself.

@@ -4,7 +4,7 @@
 use super::Part;
 use super::claims::{Claim, Verdict};
 use super::columns::{Column, left_out_remarks, records, table, times};
-use super::lab::{Lab, LeftOut, Room, Run, with_epsilon};
+use super::lab::{Lab, LeftOut, Room, Run};
 use super::report::Report;
 use super::table1;
 use crate::base::format::{count, number, percent};
@@ -35,11 +35,11 @@ pub fn run(lab: &mut Lab<'_>) -> Report {
     );
     for (builtin, epsilon) in lab.effort.rooms() {
         let mut room = lab.room(builtin);
-        let of = |partial_factor| SolverParams { partial_factor, ..with_epsilon(epsilon) };
+        let of = |partial_factor| SolverParams { partial_factor, ..SolverParams::with_epsilon(epsilon) };
         let settings: Vec<_> =
             FACTORS.iter().map(|(factor, name)| (format!("ε_partial = {name} ε"), of(*factor))).collect();
         let runs = lab.by_turns(&mut room, &settings, lab.effort.repeats);
-        let curve = |multiple: &f64| (format!("1/10, {multiple} ε"), with_epsilon(multiple * epsilon));
+        let curve = |multiple: &f64| (format!("1/10, {multiple} ε"), SolverParams::with_epsilon(multiple * epsilon));
         let curve = lab.by_turns(&mut room, &MULTIPLES.iter().map(curve).collect::<Vec<_>>(), 1);
         let caption = format!("{}, ε = {epsilon:e} Φ", room.title());
         report.tables.push(table(caption, &COLUMNS, &[], &runs));
@@ -76,11 +76,8 @@ fn good_choice(room: &Room, runs: &[Result<Run, LeftOut>], curve: &[Result<Run, 
             best = Some((ratio, &run.setting));
         }
     }
-    let table = Table {
-        caption: format!("{}: beside ε_partial = 1/10 ε with an ε that casts as many rays", room.name),
-        head: ["", "rays", "error, median", "of 1/10 with as many rays", "ratio"].map(String::from).into(),
-        rows,
-    };
+    let caption = format!("{}: beside ε_partial = 1/10 ε with an ε that casts as many rays", room.name);
+    let table = Table::new(caption, ["", "rays", "error, median", "of 1/10 with as many rays", "ratio"], rows);
     let Some((ratio, setting)) = best else {
         return (None, Claim::unanswered("2.3", SAYS, RULE, "no runs with as many rays"));
     };
@@ -114,10 +111,14 @@ fn scale_invariance(lab: &mut Lab<'_>, report: &mut Report) {
     let says = "ε is not scale invariant: it must be scaled with the geometry";
     let rule = "better where ε as a share of Φ gives the same patches at twice the size, and ε in watts does not";
     let runs = (|| {
-        let relative = lab.run(&mut room, "ε as a share of Φ", with_epsilon(epsilon))?;
-        let watts = SolverParams { epsilon: Epsilon::Watts(relative.stats.epsilon_watts), ..with_epsilon(epsilon) };
+        let relative = lab.run(&mut room, "ε as a share of Φ", SolverParams::with_epsilon(epsilon))?;
+        let watts = SolverParams {
+            epsilon: Epsilon::Watts(relative.stats.epsilon_watts),
+            ..SolverParams::with_epsilon(epsilon)
+        };
         let in_watts = lab.run(&mut larger, "ε in watts, twice the size", watts)?;
-        let in_share = lab.run(&mut larger, "ε as a share of Φ, twice the size", with_epsilon(epsilon))?;
+        let in_share =
+            lab.run(&mut larger, "ε as a share of Φ, twice the size", SolverParams::with_epsilon(epsilon))?;
         Ok::<_, LeftOut>([relative, in_watts, in_share])
     })();
     match runs {
@@ -162,7 +163,7 @@ fn least_area(lab: &mut Lab<'_>, report: &mut Report) {
     let mut room = lab.room(lab.effort.office);
     let says = "A least area of patches is usually not necessary: ε bounds the subdivision near edges and corners";
     let rule = "the guard against endless depth never struck";
-    match lab.run(&mut room, "fine, no least area", with_epsilon(fine)) {
+    match lab.run(&mut room, "fine, no least area", SolverParams::with_epsilon(fine)) {
         Ok(run) => {
             let struck = run.stats.depth_guard_struck;
             report.claims.push(Claim {

@@ -2,7 +2,7 @@
 
 use super::claims::{Claim, Verdict};
 use super::columns::{Column, records, table, times};
-use super::lab::{Lab, Run, with_epsilon};
+use super::lab::{Lab, Run};
 use super::report::Report;
 use super::{Part, paper};
 use crate::base::format::percent;
@@ -24,7 +24,7 @@ pub fn run(lab: &mut Lab<'_>) -> Report {
     for (builtin, epsilon) in lab.effort.rooms() {
         let mut room = lab.room(builtin);
         for (clustering, name) in [(ClusteringMode::Adaptive, "adaptive"), (ClusteringMode::Groups, "groups")] {
-            let of = |push| SolverParams { clustering, push, ..with_epsilon(epsilon) };
+            let of = |push| SolverParams { clustering, push, ..SolverParams::with_epsilon(epsilon) };
             let settings = [("immediate", of(Push::Immediate)), ("deferred", of(Push::Deferred))];
             let settings = settings.map(|(push, params)| (format!("{name}, {push}"), params));
             let label = format!("{}, {name}", room.name);
@@ -63,14 +63,8 @@ pub fn run(lab: &mut Lab<'_>) -> Report {
             all.extend(records(room.name, &[], &runs));
         }
     }
-    tables.insert(
-        0,
-        Table {
-            caption: "Cost of immediate over deferred push, and errors of deferred over immediate".into(),
-            head: ["", "time", "RMS error", "median error"].map(String::from).into(),
-            rows: summary,
-        },
-    );
+    let caption = "Cost of immediate over deferred push, and errors of deferred over immediate";
+    tables.insert(0, Table::new(caption, ["", "time", "RMS error", "median error"], summary));
     let introduction = format!(
         "Immediate push hands a cluster's irradiance down link by link with each patch's cosine (α-links), deferred evenly afterwards (β-links). {turns} runs of either by turns; \
          the cost is the median over the turns of their ratio, for times are noisy where other work runs beside. The two pushes see different radiosities, so they refine differently; patches and links tell by how much."

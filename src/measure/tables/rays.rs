@@ -8,7 +8,7 @@ use rayon::prelude::*;
 use super::Part;
 use super::claims::{Claim, Verdict};
 use super::columns::{Column, left_out_remarks, records, table};
-use super::lab::{Lab, LeftOut, Room, Run, median, with_epsilon};
+use super::lab::{Lab, LeftOut, Room, Run, median};
 use super::report::Report;
 use super::table1;
 use crate::base::format::{number, percent};
@@ -53,7 +53,7 @@ pub fn run(lab: &mut Lab<'_>) -> Report {
         let mut room = lab.room(builtin);
         let setting = |&(visibility_factor, rays_min, rays_max): &(f64, u32, u32)| {
             let name = format!("f_vis {visibility_factor}, {rays_min} to {rays_max} rays");
-            (name, SolverParams { visibility_factor, rays_min, rays_max, ..with_epsilon(epsilon) })
+            (name, SolverParams { visibility_factor, rays_min, rays_max, ..SolverParams::with_epsilon(epsilon) })
         };
         let settings: Vec<_> = SETTINGS.iter().map(setting).collect();
         let mut runs = lab.by_turns(&mut room, &settings, lab.effort.repeats);
@@ -61,7 +61,7 @@ pub fn run(lab: &mut Lab<'_>) -> Report {
         report.tables.push(table(caption, &COLUMNS, &[], &runs));
         report.remarks.extend(left_out_remarks(&runs));
         report.claims.extend(lower_bound(&room, &runs));
-        let plain = SolverParams { clustering: ClusteringMode::None, ..with_epsilon(epsilon) };
+        let plain = SolverParams { clustering: ClusteringMode::None, ..SolverParams::with_epsilon(epsilon) };
         let hr = lab.run(&mut room, "HR (none)", plain);
         report.claims.extend(share_of_visibility(&room, &runs, &hr));
         runs.push(hr);

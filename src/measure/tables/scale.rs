@@ -6,7 +6,7 @@ use super::claims::{Claim, Verdict};
 use super::columns::{Column, left_out_remarks, records, table};
 use super::fit::PowerLaw;
 use super::growth::Growth;
-use super::lab::{Lab, LeftOut, Room, Run, with_epsilon};
+use super::lab::{Lab, LeftOut, Room, Run};
 use super::report::Report;
 use super::{scale_text, table1};
 use crate::base::format::{count, number};
@@ -19,7 +19,7 @@ const COLUMNS: [Column; 7] =
 
 /// Runs it.
 pub fn run(lab: &mut Lab<'_>) -> Report {
-    let params = with_epsilon(lab.effort.scale_epsilon);
+    let params = SolverParams::with_epsilon(lab.effort.scale_epsilon);
     let of = |clustering| SolverParams { clustering, octree_depth: 5, ..params };
     let modes = [
         ("HR (none)", of(ClusteringMode::None), lab.effort.hr_sizes.clone()),
@@ -84,11 +84,9 @@ fn laws(growths: &[Growth]) -> Table {
     };
     let paper = |name: &str, time: &str| [name, "–", time, "–", "–", "–"].map(String::from).to_vec();
     let of_paper = vec![paper("paper: HR", "2"), paper("paper: IC", "1")];
-    Table {
-        caption: "Exponents p of nᵖ, n polygons; the paper's are its complexities O(k² + n) and O(n)".into(),
-        head: ["", "rooms", "time", "links", "pairs judged", "memory"].map(String::from).into(),
-        rows: of_paper.into_iter().chain(growths.iter().map(row)).collect(),
-    }
+    let caption = "Exponents p of nᵖ, n polygons; the paper's are its complexities O(k² + n) and O(n)";
+    let rows = of_paper.into_iter().chain(growths.iter().map(row)).collect();
+    Table::new(caption, ["", "rooms", "time", "links", "pairs judged", "memory"], rows)
 }
 
 fn claims_of(growths: &[Growth]) -> Vec<Claim> {

@@ -4,7 +4,7 @@
 use super::claims::{Claim, Verdict};
 use super::columns::{Column, left_out_remarks, records, table, times};
 use super::effort::Effort;
-use super::lab::{Lab, LeftOut, Room, Run, with_epsilon};
+use super::lab::{Lab, LeftOut, Room, Run};
 use super::report::Report;
 use super::{Part, paper};
 use crate::base::format::{count, number, percent, quantity};
@@ -48,9 +48,10 @@ fn settings(params: SolverParams) -> Vec<(String, SolverParams)> {
 pub fn run(lab: &mut Lab<'_>) -> Report {
     let epsilon = lab.effort.seminar_epsilon;
     let mut room = lab.room(lab.effort.seminar);
-    let settings = settings(with_epsilon(epsilon));
+    let settings = settings(SolverParams::with_epsilon(epsilon));
     let mut runs = lab.by_turns(&mut room, &settings, lab.effort.repeats);
-    let plain = SolverParams { clustering: ClusteringMode::None, ..with_epsilon(EPSILON_OF_INITIAL_LINKS) };
+    let plain =
+        SolverParams { clustering: ClusteringMode::None, ..SolverParams::with_epsilon(EPSILON_OF_INITIAL_LINKS) };
     let initial = lab.run(&mut room, "HR, initial links alone", plain);
     if let Ok(hr) = runs[0].clone() {
         runs.extend(as_accurate(lab, &mut room, &hr, epsilon));
@@ -109,7 +110,7 @@ fn is_as_accurate(run: &Run) -> bool {
 /// IC with the first half, quarter … of ε whose errors, RMS and median, are no larger than HR's.
 fn as_accurate(lab: &mut Lab<'_>, room: &mut Room, hr: &Run, epsilon: f64) -> Option<Result<Run, LeftOut>> {
     for halvings in 0..MOST_HALVINGS {
-        let params = with_epsilon(epsilon / f64::from(1 << halvings));
+        let params = SolverParams::with_epsilon(epsilon / f64::from(1 << halvings));
         let setting =
             if halvings == 0 { AS_ACCURATE.to_owned() } else { format!("{AS_ACCURATE}, ε/{}", 1 << halvings) };
         let run = lab.run(room, &setting, params);
@@ -140,11 +141,9 @@ fn ratios(hr: &Run, others: &[Result<Run, LeftOut>]) -> Table {
             times(run.rms() / hr.rms()),
         ]
     };
-    Table {
-        caption: "Ratios; in the paper HR's pairs are its links".into(),
-        head: ["", "time", "pairs judged / links", "links", "memory", "error: IC's over HR's"].map(String::from).into(),
-        rows: std::iter::once(of_paper).chain(others.iter().flatten().map(of_run)).collect(),
-    }
+    let rows = std::iter::once(of_paper).chain(others.iter().flatten().map(of_run)).collect();
+    let head = ["", "time", "pairs judged / links", "links", "memory", "error: IC's over HR's"];
+    Table::new("Ratios; in the paper HR's pairs are its links", head, rows)
 }
 
 fn claims_of(hr: &Run, ic: &Run, initial: &Run, as_accurate: Option<&Run>) -> Vec<Claim> {

@@ -3,7 +3,7 @@
 
 use super::claims::{Claim, Verdict};
 use super::columns::{Column, left_out_remarks, records, table, times};
-use super::lab::{Lab, LeftOut, Room, Run, with_epsilon};
+use super::lab::{Lab, LeftOut, Room, Run};
 use super::report::Report;
 use super::{Part, paper, table1};
 use crate::base::format::{bytes, count, number, quantity};
@@ -29,7 +29,7 @@ const DEPTHS: [u32; 5] = [2, 3, 4, 5, 6];
 /// Runs it.
 pub fn run(lab: &mut Lab<'_>) -> Report {
     let epsilon = lab.effort.office_epsilon;
-    let params = with_epsilon(epsilon);
+    let params = SolverParams::with_epsilon(epsilon);
     let mut room = lab.room(lab.effort.office);
     let of = |clustering, octree_depth| SolverParams { clustering, octree_depth, ..params };
     let mut settings: Vec<(String, SolverParams)> =
@@ -236,9 +236,9 @@ impl Soon {
     fn run(lab: &mut Lab<'_>, room: &mut Room) -> Result<Self, LeftOut> {
         let [coarse, fine] = lab.effort.coarse_and_fine;
         Ok(Self {
-            first: lab.first_picture(room, "first picture", with_epsilon(fine))?,
-            coarse: lab.run(room, &format!("coarse, ε = {coarse:e} Φ"), with_epsilon(coarse))?,
-            fine: lab.run(room, &format!("fine, ε = {fine:e} Φ"), with_epsilon(fine))?,
+            first: lab.first_picture(room, "first picture", SolverParams::with_epsilon(fine))?,
+            coarse: lab.run(room, &format!("coarse, ε = {coarse:e} Φ"), SolverParams::with_epsilon(coarse))?,
+            fine: lab.run(room, &format!("fine, ε = {fine:e} Φ"), SolverParams::with_epsilon(fine))?,
         })
     }
 
@@ -262,17 +262,11 @@ impl Soon {
             "1".into(),
             "–".into(),
         ];
-        Table {
-            caption: "How soon there is a picture (Figures 3 and 4), adaptive".into(),
-            head: ["", "time", "patches", "links", "error, median"].map(String::from).into(),
-            rows: vec![
-                paper("Figure 3, coarse", paper::COARSE_SECONDS),
-                paper("Figure 4, fine", paper::FINE_SECONDS),
-                first,
-                of(&self.coarse),
-                of(&self.fine),
-            ],
-        }
+        let coarse = paper("Figure 3, coarse", paper::COARSE_SECONDS);
+        let fine = paper("Figure 4, fine", paper::FINE_SECONDS);
+        let caption = "How soon there is a picture (Figures 3 and 4), adaptive";
+        let head = ["", "time", "patches", "links", "error, median"];
+        Table::new(caption, head, vec![coarse, fine, first, of(&self.coarse), of(&self.fine)])
     }
 
     fn claim(&self) -> Claim {

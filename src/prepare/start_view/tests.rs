@@ -16,6 +16,23 @@ fn walls() -> Scene {
     scene
 }
 
+/// A room of this size with a corner at the origin.
+fn room(width: f32, height: f32, depth: f32) -> Scene {
+    let mut scene = walls();
+    add_box(&mut scene, (Vec3::ZERO, Vec3::new(width, height, depth)), true, WALL);
+    scene
+}
+
+/// Boxes of this size on the floor, a material each, in rows of so many, a step apart.
+fn add_things(scene: &mut Scene, count: usize, from: Vec3, (of_row, step): (usize, [f32; 2]), size: Vec3) {
+    for index in 0..count {
+        let thing = scene.add_material(&format!("thing {index}"), Vec3::splat(0.3), Vec3::ZERO);
+        let [x, z] = [step[0] * (index % of_row) as f32, step[1] * (index / of_row) as f32];
+        let at = from + Vec3::new(x, 0.0, z);
+        add_box(scene, (at, at + size), false, (thing, GroupId(0)));
+    }
+}
+
 /// Takes away the faces all of whose corners lie where this says.
 fn remove_faces(scene: &mut Scene, is_there: impl Fn(Vec3) -> bool) {
     let vertices = &scene.vertices;
@@ -32,8 +49,7 @@ fn view_of(scene: Scene, sides: Sides) -> (CameraPose, Occluders) {
 /// nearly its diagonal of 10 m ahead.
 #[test]
 fn one_stands_in_the_largest_room() {
-    let mut scene = walls();
-    add_box(&mut scene, (Vec3::ZERO, Vec3::new(3.0, 2.5, 3.0)), true, WALL);
+    let mut scene = room(3.0, 2.5, 3.0);
     add_box(&mut scene, (Vec3::new(4.0, 0.2, 0.0), Vec3::new(12.0, 2.9, 6.0)), true, WALL);
     let ground = [[-100.0, -100.0], [-100.0, 100.0], [100.0, 100.0], [100.0, -100.0]];
     scene.add_quad(ground.map(|[x, z]| Vec3::new(x, -0.3, z)), WALL.0, WALL.1);
@@ -51,13 +67,8 @@ fn one_stands_in_the_largest_room() {
 /// metre fills the picture.
 #[test]
 fn the_first_view_shows_things_and_no_blank_wall() {
-    let mut scene = walls();
-    add_box(&mut scene, (Vec3::ZERO, Vec3::new(7.0, 2.7, 6.0)), true, WALL);
-    for index in 0..12 {
-        let thing = scene.add_material(&format!("thing {index}"), Vec3::splat(0.3), Vec3::ZERO);
-        let at = Vec3::new(0.3 + 0.7 * (index % 4) as f32, 0.0, 5.0 - 0.6 * (index / 4) as f32);
-        add_box(&mut scene, (at, at + Vec3::new(0.4, 0.9, 0.4)), false, (thing, GroupId(0)));
-    }
+    let mut scene = room(7.0, 2.7, 6.0);
+    add_things(&mut scene, 12, Vec3::new(0.3, 0.0, 5.0), (4, [0.7, -0.6]), Vec3::new(0.4, 0.9, 0.4));
     let (view, occluders) = view_of(scene, Sides::Front);
     let ahead = (view.target - view.eye).normalize();
     let middle = Vec3::new(1.4, 0.5, 4.6);
@@ -71,8 +82,7 @@ fn the_first_view_shows_things_and_no_blank_wall() {
 /// A house of two rooms, 3 × 3 m and 8 × 6 m, with walls of 20 cm; a wall of the larger one has a
 /// window of 2 m².
 fn house() -> Scene {
-    let mut scene = walls();
-    add_box(&mut scene, (Vec3::ZERO, Vec3::new(3.0, 2.6, 3.0)), true, WALL);
+    let mut scene = room(3.0, 2.6, 3.0);
     add_box(&mut scene, (Vec3::new(3.2, 0.0, 0.0), Vec3::new(11.2, 2.6, 6.0)), true, WALL);
     add_box(&mut scene, (Vec3::new(-0.2, -0.2, -0.2), Vec3::new(11.4, 2.8, 6.2)), false, WALL);
     for (x, turned) in [(11.2, false), (11.4, true)] {
@@ -124,8 +134,7 @@ fn one_stands_in_the_house_and_not_in_its_surroundings() {
 /// middle.
 #[test]
 fn one_stands_in_a_hall_and_not_in_its_side_rooms() {
-    let mut scene = walls();
-    add_box(&mut scene, (Vec3::ZERO, Vec3::new(30.0, 12.0, 20.0)), true, WALL);
+    let mut scene = room(30.0, 12.0, 20.0);
     for (x, size) in [(30.2, 5.0), (-5.2, 5.0)] {
         add_box(&mut scene, (Vec3::new(x, 0.0, 2.0), Vec3::new(x + size, 3.0, 18.0)), true, WALL);
     }
@@ -141,8 +150,7 @@ fn one_stands_in_a_hall_and_not_in_its_side_rooms() {
 /// Truth: in a room without a wall one stands inside and looks at the others, not from afar.
 #[test]
 fn a_room_may_be_open_to_a_side() {
-    let mut scene = walls();
-    add_box(&mut scene, (Vec3::ZERO, Vec3::new(5.0, 3.0, 4.0)), true, WALL);
+    let mut scene = room(5.0, 3.0, 4.0);
     remove_faces(&mut scene, |at| at.z == 0.0);
     let (view, occluders) = view_of(scene, Sides::Front);
     assert!(view.eye.x > 0.2 && view.eye.x < 4.8 && view.eye.z > 0.0 && view.eye.z < 3.8, "{view:?}");
@@ -154,8 +162,7 @@ fn a_room_may_be_open_to_a_side() {
 /// the room has no ceiling.
 #[test]
 fn one_stands_beside_a_table_and_not_under_it() {
-    let mut scene = walls();
-    add_box(&mut scene, (Vec3::ZERO, Vec3::new(5.0, 3.0, 4.0)), true, WALL);
+    let mut scene = room(5.0, 3.0, 4.0);
     remove_faces(&mut scene, |at| at.y == 3.0);
     add_box(&mut scene, (Vec3::new(1.0, 0.7, 0.8), Vec3::new(4.0, 0.75, 3.2)), false, WALL);
     let (view, _) = view_of(scene, Sides::Front);
@@ -165,8 +172,7 @@ fn one_stands_beside_a_table_and_not_under_it() {
 /// Truth: a room without a floor is stood in as if it had one where its walls end.
 #[test]
 fn a_room_may_have_no_floor() {
-    let mut scene = walls();
-    add_box(&mut scene, (Vec3::ZERO, Vec3::new(4.0, 2.6, 4.0)), true, WALL);
+    let mut scene = room(4.0, 2.6, 4.0);
     remove_faces(&mut scene, |at| at.y == 0.0);
     let (view, _) = view_of(scene, Sides::Front);
     assert!((view.eye.y - 1.6).abs() < 1e-3 && view.eye.cmpgt(Vec3::ZERO).all(), "{view:?}");
@@ -177,8 +183,7 @@ fn a_room_may_have_no_floor() {
 #[test]
 fn a_sofa_is_no_room() {
     let scene = |with_table: bool| {
-        let mut scene = walls();
-        add_box(&mut scene, (Vec3::ZERO, Vec3::new(2.0, 0.8, 0.9)), true, WALL);
+        let mut scene = room(2.0, 0.8, 0.9);
         if with_table {
             add_box(&mut scene, (Vec3::new(0.0, 0.0, 2.5), Vec3::new(3.0, 0.5, 3.5)), false, WALL);
         }
@@ -201,13 +206,9 @@ fn a_single_thing_has_no_inside() {
     assert_eq!(find(&Scene::new(""), &Occluders::new(&Scene::new(""))), None);
 }
 
-/// Ten boxes of a material each on a table's place, as somebody's things are.
-fn add_things(scene: &mut Scene, from: Vec3) {
-    for index in 0..10 {
-        let thing = scene.add_material(&format!("thing {index}"), Vec3::splat(0.3), Vec3::ZERO);
-        let at = from + Vec3::new(0.25 * (index % 5) as f32, 0.0, 0.3 * (index / 5) as f32);
-        add_box(scene, (at, at + Vec3::new(0.2, 0.8, 0.2)), false, (thing, GroupId(0)));
-    }
+/// Ten boxes on a table's place, as somebody's things are.
+fn add_ten_things(scene: &mut Scene, from: Vec3) {
+    add_things(scene, 10, from, (5, [0.25, 0.3]), Vec3::new(0.2, 0.8, 0.2));
 }
 
 /// Truth: below a room with things lies a larger cellar with nothing in it; one stands in the room.
@@ -216,7 +217,7 @@ fn one_stands_where_there_is_something_to_see() {
     let mut scene = walls();
     add_box(&mut scene, (Vec3::new(-5.0, -6.0, -5.0), Vec3::new(9.0, -0.2, 9.0)), true, WALL);
     add_box(&mut scene, (Vec3::ZERO, Vec3::new(4.0, 2.6, 4.0)), true, WALL);
-    add_things(&mut scene, Vec3::new(1.0, 0.0, 1.0));
+    add_ten_things(&mut scene, Vec3::new(1.0, 0.0, 1.0));
     let (view, _) = view_of(scene, Sides::Front);
     assert!((view.eye.y - 1.6).abs() < 1e-3 && view.eye.cmpgt(Vec3::ZERO).all(), "{view:?}");
 }
@@ -230,7 +231,7 @@ fn nobody_stands_in_a_wall() {
         add_box(&mut scene, (Vec3::new(0.0, -0.1, 0.0), walls), false, WALL);
     }
     add_box(&mut scene, (Vec3::new(0.0, -0.2, 0.0), Vec3::new(10.0, 0.0, 10.0)), false, WALL);
-    add_things(&mut scene, Vec3::new(5.0, 0.0, 5.0));
+    add_ten_things(&mut scene, Vec3::new(5.0, 0.0, 5.0));
     let (scene, occluders) = orient::apply(scene, Sides::Both);
     if let Some(view) = find(&scene, &occluders) {
         assert!(view.eye.x > 0.9 && view.eye.z > 0.9, "{view:?}");
@@ -241,9 +242,8 @@ fn nobody_stands_in_a_wall() {
 /// in the middle of the picture.
 #[test]
 fn the_first_view_looks_at_the_things_that_are_there() {
-    let mut scene = walls();
-    add_box(&mut scene, (Vec3::ZERO, Vec3::new(6.0, 2.6, 6.0)), true, WALL);
-    add_things(&mut scene, Vec3::new(2.4, 0.0, 0.4));
+    let mut scene = room(6.0, 2.6, 6.0);
+    add_ten_things(&mut scene, Vec3::new(2.4, 0.0, 0.4));
     let (view, _) = view_of(scene, Sides::Front);
     let [ahead, to_things] = [view.target, Vec3::new(2.9, 0.4, 0.6)].map(|at| (at - view.eye).with_y(0.0));
     let aside = ahead.angle_between(to_things).to_degrees();
@@ -276,16 +276,11 @@ fn the_first_view_sees_a_screen_from_its_front() {
 /// one stands in the latter.
 #[test]
 fn one_stands_where_more_is_to_be_seen() {
-    let mut scene = walls();
-    add_box(&mut scene, (Vec3::ZERO, Vec3::new(6.0, 2.6, 6.0)), true, WALL);
+    let mut scene = room(6.0, 2.6, 6.0);
     add_box(&mut scene, (Vec3::new(6.2, 0.0, 0.0), Vec3::new(11.2, 2.6, 5.0)), true, WALL);
-    for index in 0..3 {
-        let thing = scene.add_material(&format!("box {index}"), Vec3::splat(0.3), Vec3::ZERO);
-        let at = Vec3::new(0.1 + 0.5 * index as f32, 0.0, 0.1);
-        add_box(&mut scene, (at, at + Vec3::splat(0.4)), false, (thing, GroupId(0)));
-    }
+    add_things(&mut scene, 3, Vec3::new(0.1, 0.0, 0.1), (3, [0.5, 0.0]), Vec3::splat(0.4));
     for corner in [[7.0, 0.6], [9.0, 0.6], [7.0, 3.6], [9.0, 3.6]] {
-        add_things(&mut scene, Vec3::new(corner[0], 0.0, corner[1]));
+        add_ten_things(&mut scene, Vec3::new(corner[0], 0.0, corner[1]));
     }
     let (view, _) = view_of(scene, Sides::Front);
     assert!(view.eye.x > 6.2, "{view:?}");
@@ -300,11 +295,7 @@ fn a_stage_is_seen_from_outside() {
     for upper in [Vec3::new(8.0, 5.0, 0.1), Vec3::new(0.1, 5.0, 8.0)] {
         add_box(&mut scene, (Vec3::ZERO, upper), false, WALL);
     }
-    for index in 0..12 {
-        let thing = scene.add_material(&format!("thing {index}"), Vec3::splat(0.3), Vec3::ZERO);
-        let at = Vec3::new(0.5 + 1.8 * (index % 4) as f32, 0.01, 0.5 + 2.0 * (index / 4) as f32);
-        add_box(&mut scene, (at, at + Vec3::new(1.2, 0.9, 0.8)), false, (thing, GroupId(0)));
-    }
+    add_things(&mut scene, 12, Vec3::new(0.5, 0.01, 0.5), (4, [1.8, 2.0]), Vec3::new(1.2, 0.9, 0.8));
     let (scene, occluders) = orient::apply(scene, Sides::Both);
     assert_eq!(find(&scene, &occluders), None);
 }

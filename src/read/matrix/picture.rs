@@ -51,13 +51,10 @@ pub struct Drawing<'a> {
     pub pixels: u32,
 }
 
-/// Why a matrix cannot be drawn.
+/// What the drawing library says of a matrix that it cannot draw.
 #[derive(Debug, thiserror::Error)]
-pub enum DrawError {
-    /// The drawing library failed.
-    #[error("the link matrix cannot be drawn ({0}); try a smaller picture")]
-    Plot(String),
-}
+#[error("the link matrix cannot be drawn ({0}); try a smaller picture")]
+pub struct DrawError(String);
 
 /// The picture, larger than the square by its margins.
 ///
@@ -70,10 +67,10 @@ pub fn draw(drawing: Drawing<'_>) -> Result<RgbImage, DrawError> {
     let mut pixels = vec![0; 3 * (width * height) as usize];
     {
         let root = BitMapBackend::with_buffer(&mut pixels, (width, height)).into_drawing_area();
-        paint(drawing, &palette, &root).map_err(|error| DrawError::Plot(error.to_string()))?;
+        paint(drawing, &palette, &root).map_err(|error| DrawError(error.to_string()))?;
     }
     blit(drawing, &palette, &mut pixels, width);
-    RgbImage::from_raw(width, height, pixels).ok_or_else(|| DrawError::Plot("its size is wrong".into()))
+    RgbImage::from_raw(width, height, pixels).ok_or_else(|| DrawError("its size is wrong".into()))
 }
 
 /// Copies the square into the picture.

@@ -203,36 +203,17 @@ mod tests {
     use super::*;
     use crate::geometry::Occluders;
     use crate::hierarchy::Hierarchy;
+    use crate::measure::stability::scenes::empty_room;
     use crate::read::matrix::{Colouring, pair_at};
-    use crate::scene::{GroupId, Scene};
-    use crate::solve::{Epsilon, Solver, SolverParams, Step};
+    use crate::solve::{Solver, SolverParams, Step};
 
-    /// A closed cube that nothing stands in; its ceiling shines.
-    fn cube() -> Scene {
-        let mut scene = Scene::new("cube");
-        let wall = scene.add_material("wall", Vec3::splat(0.5), Vec3::ZERO);
-        let lamp = scene.add_material("lamp", Vec3::splat(0.5), Vec3::ONE);
-        for axis in 0..3 {
-            for upper in [false, true] {
-                let corner = |u: f32, v: f32| {
-                    let mut at = Vec3::ZERO;
-                    (at[axis], at[(axis + 1) % 3], at[(axis + 2) % 3]) = (f32::from(upper), u, v);
-                    at
-                };
-                let mut corners = [corner(0.0, 0.0), corner(1.0, 0.0), corner(1.0, 1.0), corner(0.0, 1.0)];
-                if upper {
-                    corners.reverse();
-                }
-                scene.add_quad(corners, if axis == 1 && upper { lamp } else { wall }, GroupId(0));
-            }
-        }
-        scene
-    }
-
+    /// Of a closed cube that nothing stands in; one of its faces shines.
     fn solver() -> Solver {
-        let scene = Arc::new(cube());
+        let mut scene = empty_room(0.5, 0.0);
+        scene.polygons[0].material = scene.add_material("lamp", Vec3::splat(0.5), Vec3::ONE);
+        let scene = Arc::new(scene);
         let occluders = Arc::new(Occluders::new(&scene));
-        let params = SolverParams { epsilon: Epsilon::Relative(3e-3), ..SolverParams::default() };
+        let params = SolverParams::with_epsilon(3e-3);
         let mut solver = Solver::new(scene, occluders, params, 1).expect("the parameters are valid");
         solver.show_solution_view(true);
         solver

@@ -7,17 +7,11 @@ use plotters::drawing::IntoDrawingArea;
 use plotters::element::Text;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 use plotters::style::{IntoFont, TextStyle, WHITE};
-use thiserror::Error;
 
 use super::{LABEL_RIM, LineLabel};
-use crate::base::font::family;
+use crate::base::font::{NotDrawn, family};
 use crate::base::format;
 use crate::base::photometry::ShownIn;
-
-/// Letters that cannot be drawn.
-#[derive(Debug, Error)]
-#[error("values cannot be written along lines ({0})")]
-pub struct LetteringError(String);
 
 /// Height of the letters, pixels.
 const HEIGHT: f64 = 14.0;
@@ -30,7 +24,7 @@ const RIM_OPACITY: f32 = 0.8;
 ///
 /// # Errors
 /// The letters cannot be drawn, for want of a font.
-pub fn write_labels(picture: &mut RgbaImage, labels: &[LineLabel], shown_in: ShownIn) -> Result<(), LetteringError> {
+pub fn write_labels(picture: &mut RgbaImage, labels: &[LineLabel], shown_in: ShownIn) -> Result<(), NotDrawn> {
     for label in labels {
         let written = Written::new(&format::short((shown_in.per_watt() * label.value).into()))?;
         let reach = 0.5 * vec2(written.fine.width() as f32, written.fine.height() as f32).length() / FINE as f32 + 2.0;
@@ -65,8 +59,8 @@ struct Written {
 }
 
 impl Written {
-    fn new(text: &str) -> Result<Self, LetteringError> {
-        let failed = |error: &dyn std::fmt::Display| LetteringError(error.to_string());
+    fn new(text: &str) -> Result<Self, NotDrawn> {
+        let failed = NotDrawn::because("values cannot be written along lines");
         let style = TextStyle::from((family(), HEIGHT * f64::from(FINE)).into_font())
             .color(&WHITE)
             .pos(Pos::new(HPos::Center, VPos::Center));
@@ -76,8 +70,8 @@ impl Written {
         let mut fine = RgbImage::from_pixel(width, height, Rgb([0; 3]));
         let area = BitMapBackend::with_buffer(&mut fine, (width, height)).into_drawing_area();
         let middle = (width as i32 / 2, height as i32 / 2);
-        area.draw(&Text::new(text.to_owned(), middle, style)).map_err(|error| failed(&error))?;
-        area.present().map_err(|error| failed(&error))?;
+        area.draw(&Text::new(text.to_owned(), middle, style)).map_err(&failed)?;
+        area.present().map_err(&failed)?;
         drop(area);
         let inked = fine.enumerate_pixels().filter(|(.., pixel)| pixel.0[0] > 0);
         let corners = inked.map(|(x, y, _)| vec2(x as f32 + 0.5, y as f32 + 0.5));

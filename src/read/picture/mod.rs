@@ -8,9 +8,6 @@
 //! widely than indirect light, and only then come reflectance, exposure and the mean over a pixel.
 //! Passes are repeated where the noise is still above what was asked for; the filter narrows as it
 //! falls, so that the picture converges.
-//!
-//! Imports `base`, `scene`, `hierarchy`, `gather`, `solve` and the rest of `read`; knows neither
-//! windows nor graphics adapters.
 
 mod develop;
 mod filter;
@@ -27,7 +24,7 @@ pub use filter::{Filter, Share};
 pub use gathered::{GatheredPicture, Layers, LayersAt, PixelLight, Start};
 pub use labels::{LABEL_RIM, LineLabel};
 pub use lens::Lens;
-pub use lettering::{LetteringError, write_labels};
+pub use lettering::write_labels;
 pub use light::{Light, Tiles};
 pub use sky::sky_behind;
 pub use visible_surfaces::{VisibleSurface, VisibleSurfaces};

@@ -296,7 +296,7 @@ mod tests {
 
     fn lit(scene: Scene) -> LitMesh {
         let scene = Arc::new(scene);
-        let snapshot = Solver::solved(&scene, SolverParams::default()).snapshot();
+        let snapshot = Solver::solved(scene.clone(), SolverParams::default()).snapshot();
         LitMesh::new(scene, Arc::new(snapshot))
     }
 

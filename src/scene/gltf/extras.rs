@@ -56,11 +56,8 @@ pub(super) fn add_camera(draft: &mut Draft, camera: &Camera, name: &str, world: 
         lens.aspect_ratio.map(f64::from).filter(|aspect| aspect.is_finite() && *aspect > 0.0).unwrap_or(USUAL_ASPECT);
     let hfov_deg = (2.0 * (aspect * (0.5 * f64::from(lens.yfov)).tan()).atan()).to_degrees();
     let target = eye + reach.max(1e-3) * ahead;
-    let is_sound = [eye, target].iter().all(|it| it.to_array().into_iter().all(is_usable))
-        && eye != target
-        && hfov_deg > 0.0
-        && hfov_deg < 180.0;
-    if !is_sound {
+    let is_sound = is_usable(eye) && is_usable(target) && eye != target;
+    if !(is_sound && hfov_deg > 0.0 && hfov_deg < 180.0) {
         draft.skipped.ignored_cameras += 1;
         return;
     }

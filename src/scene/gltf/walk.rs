@@ -220,7 +220,7 @@ impl Walk<'_> {
                 let corners = if mirrored { [a, c, b] } else { [a, b, c] };
                 for corner in corners {
                     let position = positions[corner as usize];
-                    if !position.to_array().into_iter().all(is_usable) {
+                    if !is_usable(position) {
                         return Err(coordinate_error((node, key.0, corner)));
                     }
                     reach.add(position, (node, key.0, corner));

@@ -212,12 +212,10 @@ fn deviation(values: &[f32]) -> f32 {
 
 #[cfg(test)]
 mod tests {
-    use std::sync::Arc;
-
     use glam::Vec3;
 
     use crate::scene::{GroupId, Scene};
-    use crate::solve::{ClusteringMode, Epsilon, Solver, SolverParams};
+    use crate::solve::{ClusteringMode, Solver, SolverParams};
 
     /// Error of the link from a lamp to a floor of side 1 below it, off its middle, as a share of
     /// the link's power.
@@ -232,13 +230,8 @@ mod tests {
         add(Vec3::ZERO, 1.0, 0.5, 0.0, [0, 1, 2, 3]);
         add(Vec3::new(0.3, 0.3, height), lamp_side, 0.0, 1.0, [3, 2, 1, 0]);
         // The self-link is refined, and nothing else.
-        let params = SolverParams {
-            epsilon: Epsilon::Relative(0.9),
-            clustering: ClusteringMode::None,
-            rays_min: 64,
-            ..SolverParams::default()
-        };
-        let view = Solver::solved(&Arc::new(scene), params).snapshot().solution_view.expect("it was asked for");
+        let params = SolverParams { clustering: ClusteringMode::None, rays_min: 64, ..SolverParams::with_epsilon(0.9) };
+        let view = Solver::solved_view(scene, params);
         let link = view.all_links().max_by(|a, b| a.power.x.total_cmp(&b.power.x)).expect("a link");
         view.error(&link).total() / link.power.x
     }

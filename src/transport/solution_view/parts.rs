@@ -135,25 +135,18 @@ impl SolutionView {
 
 #[cfg(test)]
 mod tests {
-    use std::sync::Arc;
-
     use super::*;
     use crate::hierarchy::Hierarchy;
     use crate::scene::builtin::BuiltinScene;
-    use crate::solve::{ClusteringMode, Epsilon, Solver, SolverParams};
-
-    fn solution_view(params: SolverParams) -> Arc<SolutionView> {
-        let scene = Arc::new(BuiltinScene::Cornell.build());
-        Solver::solved(&scene, params).snapshot().solution_view.expect("it was asked for")
-    }
+    use crate::solve::{ClusteringMode, Solver, SolverParams};
 
     /// Truth: E of an element is the mean over the area of its leaves' E, whatever lights them.
     #[test]
     fn all_links_of_any_element_add_up_to_its_irradiance() {
-        let coarse = SolverParams { epsilon: Epsilon::Relative(1e-2), ..SolverParams::default() };
+        let coarse = SolverParams::with_epsilon(1e-2);
         let groups = SolverParams { clustering: ClusteringMode::Groups, ..coarse };
         for params in [coarse, groups] {
-            let solution_view = solution_view(params);
+            let solution_view = Solver::solved_view(BuiltinScene::Cornell.build(), params);
             for id in solution_view.hierarchy().ids() {
                 let whole = solution_view.irradiance(id);
                 let sum: Vec3 = solution_view.all_incoming(id).iter().map(|link| link.irradiance).sum();
@@ -166,7 +159,7 @@ mod tests {
     /// Truth: the sum of all links, and the path upwards.
     #[test]
     fn folding_keeps_the_sum_and_stays_at_its_level() {
-        let solution_view = solution_view(SolverParams { epsilon: Epsilon::Relative(1e-2), ..SolverParams::default() });
+        let solution_view = Solver::solved_view(BuiltinScene::Cornell.build(), SolverParams::with_epsilon(1e-2));
         let leaf = solution_view.hierarchy().ids().last().expect("there are elements");
         let links = solution_view.all_incoming(leaf);
         let sum: Vec3 = links.iter().map(|link| link.irradiance).sum();

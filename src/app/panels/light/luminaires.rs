@@ -3,7 +3,7 @@
 use egui::{DragValue, TextEdit, Ui};
 use glam::Vec3;
 
-use crate::app::panels::light::material::{show_colour, show_strength, show_temperature};
+use crate::app::panels::light::material::{show_strength, show_temperature, show_tint};
 use crate::app::panels::light::{LampUnit, LightEditor};
 use crate::app::state::lighting::LuminaireLight;
 use crate::app::widgets::{rows, theme};
@@ -137,10 +137,7 @@ fn show_one(ui: &mut Ui, scene: &Scene, luminaire: &mut LuminaireLight, unit: &m
     .on_hover_text("About the direction that it shines to");
     show_strength(ui, &luminaire.name, &mut luminaire.light, luminaire.form.area(), unit);
     show_temperature(ui, &mut luminaire.light);
-    let mut tint = luminaire.light.emission.tint().to_array();
-    if show_colour(ui, "Colour of the luminaire", "Tint of the light that it emits; its exitance stays", &mut tint) {
-        luminaire.light.emission.set_tint(tint.into());
-    }
+    show_tint(ui, "Colour of the luminaire", &mut luminaire.light);
     let remove = ui.button(words::REMOVE_LUMINAIRE).on_hover_text("Takes this luminaire away; it can be undone");
     remove.accessible_name(format!("{} {}", words::REMOVE_LUMINAIRE, luminaire.name)).clicked()
 }

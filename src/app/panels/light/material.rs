@@ -48,10 +48,7 @@ pub fn show(ui: &mut Ui, info: &SceneInfo, editor: &mut LightEditor) {
         return;
     }
     show_strength(ui, &material.name, light, area, &mut editor.unit);
-    let mut tint = light.emission.tint().to_array();
-    if show_colour(ui, "Colour of light", "Tint of the light that it emits; its exitance stays", &mut tint) {
-        light.emission.set_tint(tint.into());
-    }
+    show_tint(ui, "Colour of light", light);
     show_temperature(ui, light);
     ui.horizontal(|ui| {
         if ui.add_enabled(!light.is_on, Button::new(words::SWITCH_ON)).clicked() {
@@ -160,7 +157,15 @@ fn show_faces(ui: &mut Ui, scene: &Scene, editor: &mut LightEditor) {
     }
 }
 
+/// The tint of a lamp's light.
+pub fn show_tint(ui: &mut Ui, label: &str, light: &mut MaterialLight) {
+    let mut tint = light.emission.tint().to_array();
+    if show_colour(ui, label, "Tint of the light that it emits; its exitance stays", &mut tint) {
+        light.emission.set_tint(tint.into());
+    }
+}
+
 /// A colour that can be edited; true when it was.
-pub fn show_colour(ui: &mut Ui, label: &str, hint: &str, colour: &mut [f32; 3]) -> bool {
+fn show_colour(ui: &mut Ui, label: &str, hint: &str, colour: &mut [f32; 3]) -> bool {
     rows::row(ui, label, |ui| ui.color_edit_button_rgb(colour)).on_hover_text(hint).changed()
 }

@@ -43,10 +43,8 @@ pub fn show(ui: &mut Ui, sun: &mut SunSpec) {
             ),
         ];
         for (label, angle, range, hint) in angles {
-            rows::row(ui, label, |ui| {
-                let field = DragValue::new(angle).speed(0.1).range(range).max_decimals(3).suffix("°");
-                ui.add(field).on_hover_text(hint)
-            });
+            let field = DragValue::new(angle).speed(0.1).range(range).max_decimals(3).suffix("°");
+            rows::widget(ui, label, field, hint);
         }
     }
     if sun.angles()[1] <= 0.0 {
@@ -72,18 +70,13 @@ fn show_moment(ui: &mut Ui, moment: &mut Moment) {
     });
     // Another month may be shorter.
     moment.date[2] = moment.date[2].min(Moment::days_of(moment.date[0], moment.date[1]));
-    rows::row(ui, words::TIME, |ui| {
-        let slider = Slider::new(&mut moment.hours, 0.0..=LAST_MINUTE).step_by(1.0 / 60.0);
-        let slider = slider.custom_formatter(|hours, _| clock(hours)).custom_parser(read_clock);
-        ui.add(slider).on_hover_text("By the clock of the zone below")
-    });
-    rows::row(ui, "Time zone", |ui| {
-        let field = DragValue::new(&mut moment.zone).speed(0.05).range(-14.0..=14.0).max_decimals(2);
-        let field = field
-            .custom_formatter(|hours, _| zone(hours))
-            .custom_parser(|text| read_clock(text.trim_start_matches("UTC")));
-        ui.add(field).on_hover_text("Hours by which the clock is ahead of UTC, summer time included")
-    });
+    let slider = Slider::new(&mut moment.hours, 0.0..=LAST_MINUTE).step_by(1.0 / 60.0);
+    let slider = slider.custom_formatter(|hours, _| clock(hours)).custom_parser(read_clock);
+    rows::widget(ui, words::TIME, slider, "By the clock of the zone below");
+    let field = DragValue::new(&mut moment.zone).speed(0.05).range(-14.0..=14.0).max_decimals(2);
+    let field = field.custom_formatter(|hours, _| zone(hours));
+    let field = field.custom_parser(|text| read_clock(text.trim_start_matches("UTC")));
+    rows::widget(ui, "Time zone", field, "Hours by which the clock is ahead of UTC, summer time included");
 }
 
 /// The last minute of a day, hours.

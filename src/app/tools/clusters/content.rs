@@ -100,12 +100,11 @@ mod tests {
 
     use super::*;
     use crate::scene::builtin::BuiltinScene;
-    use crate::solve::{Epsilon, Solver, SolverParams};
+    use crate::solve::{Solver, SolverParams};
 
     fn solution_view() -> Arc<SolutionView> {
-        let scene = Arc::new(BuiltinScene::from_name("seminar").expect("ours").build());
-        let params = SolverParams { epsilon: Epsilon::Relative(3e-2), ..SolverParams::default() };
-        Solver::solved(&scene, params).snapshot().solution_view.expect("it was asked for")
+        let seminar = BuiltinScene::from_name("seminar").expect("ours").build();
+        Solver::solved_view(seminar, SolverParams::with_epsilon(3e-2))
     }
 
     /// Truth: what is in a cluster is what is in its children; the whole has each polygon once.

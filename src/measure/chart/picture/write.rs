@@ -53,8 +53,8 @@ pub fn picture_table(chart: &PictureChart) -> String {
         "Mean ꟻLIP (between halves of the reference: {:.4}) and local error of E over the pixels. Path tracer: time to the same ꟻLIP.",
         chart.reference.flip_of_halves
     );
-    let head = ["picture", "ꟻLIP", "pixel p50", "p90", "time", "path tracer", "ratio"].map(String::from).into();
-    Table { caption, head, rows: chart.pictures.iter().map(row).collect() }.markdown()
+    let head = ["picture", "ꟻLIP", "pixel p50", "p90", "time", "path tracer", "ratio"];
+    Table::new(caption, head, chart.pictures.iter().map(row).collect()).markdown()
 }
 
 /// When the path tracer has this ꟻLIP, s, between its pictures by a power of the time; with a sign
