@@ -1,4 +1,4 @@
-//! How the window looks to a person: theme, interface scale, and whether the first hint was
+//! How the window looks to a person: theme, UI scale, and whether the first hint was
 //! read. Kept between runs.
 
 use egui::{Context, ThemePreference};
@@ -12,7 +12,7 @@ const KEY: &str = "appearance";
 pub const SCALES: std::ops::RangeInclusive<f32> = 0.5..=3.0;
 /// A screen of so many points in height is a 4K one that the system does not scale.
 const TALL_SCREEN: f32 = 1900.0;
-/// The interface scale on it at first.
+/// The UI scale on it at first.
 const TALL_SCREEN_SCALE: f32 = 2.0;
 
 /// Appearance that a person chose.
@@ -21,7 +21,7 @@ const TALL_SCREEN_SCALE: f32 = 2.0;
 pub struct Appearance {
     /// Dark, light or as the system has it.
     pub theme: ThemePreference,
-    /// The interface scale; `None` until one was chosen.
+    /// The UI scale; `None` until one was chosen.
     pub scale: Option<f32>,
     /// Whether the three lines of the first start are over the view.
     pub is_hint_shown: bool,

@@ -3,6 +3,8 @@
 mod picture;
 mod sides;
 
+use std::path::PathBuf;
+
 use crate::app::actions::Action;
 use crate::app::state::messages::Topic;
 use crate::app::state::{files, settings, undo, watch};
@@ -14,9 +16,14 @@ use crate::scene::Source;
 use crate::worker::Command;
 
 impl App {
-    fn open_dropped_files(&self, ctx: &egui::Context, outbox: &mut Outbox) {
-        let dropped = ctx.input(|input| input.raw.dropped_files.first().map(|file| file.path().to_owned()));
-        outbox.extend(dropped.map(|path| Command::load(Source::File(path))));
+    fn open_dropped_files(&mut self, ctx: &egui::Context, outbox: &mut Outbox) {
+        let dropped: Vec<PathBuf> =
+            ctx.input(|input| input.raw.dropped_files.iter().map(|file| file.path().to_owned()).collect());
+        let Some((path, remark)) = files::choose_dropped(&dropped) else { return };
+        outbox.push(Command::load(Source::File(path.to_owned())));
+        if let Some(remark) = remark {
+            self.messages.note(Topic::Remark, remark);
+        }
     }
 }
 

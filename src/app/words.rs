@@ -338,7 +338,7 @@ words! {
     /// Choice of *Theme*.
     LIGHT_THEME = "Light theme";
     /// Appearance: size of text and widgets.
-    INTERFACE_SCALE = "Interface scale";
+    UI_SCALE = "UI scale";
     /// Keys: goes back to the scene's own view.
     RESET_CAMERA = "Reset camera";
 

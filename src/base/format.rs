@@ -80,7 +80,7 @@ pub fn plus_minus(value: f64, standard_error: f64) -> String {
         error if error < 10.0 || !error.is_finite() => 1,
         _ => 0,
     };
-    let text = |value: f64| if value < 1e3 { format!("{value:.decimals$}") } else { count(value.round() as u64) };
+    let text = |value: f64| if value.abs() < 1e3 { format!("{value:.decimals$}") } else { grouped(value.round()) };
     match standard_error {
         // No error at all says nothing of digits.
         0.0 => format!("{} ± 0", number(value)),
@@ -182,6 +182,7 @@ mod tests {
             read,
             ["12.4 ± 0.8", "41 ± 19", "8.23 ± 0.04", "0.0 ± 0.3", "1,234 ± 56", "5.00 ± 0", "0.500 ± 0.001"]
         );
+        assert_eq!(plus_minus(-1234.0, 56.0), "-1,234 ± 56");
         assert_eq!((plus_minus(12.44, f64::INFINITY), plus_minus(f64::NAN, 1.0)), ("12.4 ± ∞".into(), "–".into()));
         assert_eq!(seconds(0.0123), "12 ms");
         assert_eq!(seconds(125.0), "2 min 05 s");

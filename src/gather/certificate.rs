@@ -14,23 +14,18 @@
 use rayon::prelude::*;
 
 use super::bound::{POINTS, PointError, Quantiles, bound, may_be_kept, share_beyond};
-use super::estimator::{Checked, MOST_RAYS};
-use super::field::{Field, grey};
+use super::compared::{Compared, Density, LeafSampler};
+use super::estimator::MOST_RAYS;
+use super::field::Field;
 use crate::base::cancel::CancelToken;
-use crate::base::random::{hash64, r2_sequence};
-use crate::hierarchy::{ElementId, SurfacePoint};
+use crate::hierarchy::SurfacePoint;
 
 /// Probability that a run reports a bound that does not hold, over all its looks.
 pub const RISK: f64 = 0.05;
-/// The mean reflectance counts as no more than this.
-const MOST_REFLECTANCE: f64 = 0.9;
 /// Points after which a running error is reported.
 const LEAST_TOLD: usize = 32;
 /// Points by A·|B|².
 const POINTS_BY_POWER: usize = 32;
-/// Points of a leaf hidden in part that are tried, and the rays that tell whether one is hidden.
-const TRIES: u32 = 8;
-const HIDDEN_RAYS: u32 = 16;
 /// Points compared between two looks at commands.
 const CHUNK: usize = 16;
 /// Rays of a reading, as a multiple of those that it should take, before more are worth their time:
@@ -53,43 +48,13 @@ pub struct Certificate {
     pub points: Vec<(SurfacePoint, f32, f32)>,
 }
 
-/// A point that was compared; all lights are means of the colours, W/m².
-#[derive(Clone, Copy, Debug)]
-struct Compared {
-    point: SurfacePoint,
-    /// E as one looked for it anew.
-    truth: f32,
-    /// Change of E by the field's error after one reflection.
-    change: f32,
-    /// Standard error of `truth` but for the change, of a reading, and of the change.
-    noise: f32,
-    reading_noise: f32,
-    change_noise: f32,
-    reflectance: f32,
-    emission: f32,
-    /// Density of points by A·|B|² here, as a multiple of those by area.
-    by_power: f64,
-    /// Whether it is noisier than readings should be, because its rays were too few.
-    is_blunt: bool,
-    rays: u64,
-}
-
-impl Compared {
-    /// E + E₀, W/m².
-    fn scale(&self, dim: f32) -> f64 {
-        f64::from(self.truth + dim).max(f64::MIN_POSITIVE)
-    }
-}
-
-/// Kind of the points that are compared next.
+/// What a comparison does next.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Next {
     /// The blunt ones of the points by area once more, with as many rays as readings may take.
     Sharpen,
-    /// Points by area.
-    ByArea,
-    /// Points by A·|B|².
-    ByPower,
+    /// Further points of this density.
+    Points(Density),
     /// Nothing: enough is known.
     Nothing,
 }
@@ -99,12 +64,7 @@ enum Next {
 pub struct Certifying {
     target: f64,
     risk: f64,
-    seed: u64,
-    leaves: Vec<ElementId>,
-    /// Σ of areas up to each leaf, m².
-    areas: Vec<f64>,
-    /// Σ of A·|B|² up to each leaf, W²/m².
-    powers: Vec<f64>,
+    sampler: LeafSampler,
     /// ρ̄/(1−ρ̄).
     further: f64,
     dim: f32,
@@ -125,25 +85,12 @@ impl Certifying {
     /// points, which no field is made for, so that chance alone makes none look better than the one
     /// before.
     pub fn new(field: &Field, target: f64, risk: f64, seed: u64) -> Self {
-        let (mut sum, mut power, mut reflectance) = (0.0, 0.0, 0.0);
-        let leaves: Vec<ElementId> = field.leaves().filter(|leaf| !field.emits(*leaf)).collect();
-        let (mut areas, mut powers) = (Vec::with_capacity(leaves.len()), Vec::with_capacity(leaves.len()));
-        for leaf in &leaves {
-            let area = f64::from(field.area(*leaf));
-            sum += area;
-            reflectance += area * f64::from(grey(field.surface(field.patch(*leaf).polygon).reflectance));
-            power += area * f64::from(grey(field.reflected[leaf.index()])).powi(2);
-            areas.push(sum);
-            powers.push(power);
-        }
-        let mean = if sum > 0.0 { f64::min(reflectance / sum, MOST_REFLECTANCE) } else { 0.0 };
+        let sampler = LeafSampler::new(field, seed);
+        let mean = sampler.mean_reflectance();
         Self {
             target,
             risk,
-            seed,
-            leaves,
-            areas,
-            powers,
+            sampler,
             further: mean / (1.0 - mean),
             dim: field.dim(),
             compared: Vec::new(),
@@ -157,18 +104,16 @@ impl Certifying {
 
     /// Compares at some more points; `None` if cancelled.
     pub fn advance(&mut self, field: &Field, cancel: &CancelToken) -> Option<()> {
-        let next = self.next();
-        let (known, ends, salt) = match next {
+        let density = match self.next() {
             Next::Sharpen => return self.sharpen(field, cancel),
-            Next::ByArea => (self.compared.len(), &self.areas, 0),
-            Next::ByPower => (self.of_power.len(), &self.powers, 8),
+            Next::Points(density) => density,
             Next::Nothing => return Some(()),
         };
         let most_rays = if self.is_sharp { MOST_RAYS } else { BLUNT_RAYS };
-        let compare =
-            |index: usize| (!cancel.is_cancelled()).then(|| self.compare(field, ends, index, salt, most_rays));
+        let known = if density == Density::Area { self.compared.len() } else { self.of_power.len() };
+        let compare = |index: usize| (!cancel.is_cancelled()).then(|| self.compare(field, (density, index), most_rays));
         let found: Vec<Compared> = (known..known + CHUNK).into_par_iter().map(compare).collect::<Option<_>>()?;
-        if next == Next::ByArea { &mut self.compared } else { &mut self.of_power }.extend(found);
+        if density == Density::Area { &mut self.compared } else { &mut self.of_power }.extend(found);
         Some(())
     }
 
@@ -177,7 +122,7 @@ impl Certifying {
         let is_blunt = |index: &usize| self.compared[*index].is_blunt;
         let blunt: Vec<usize> = (self.sharpened..self.compared.len()).filter(is_blunt).take(CHUNK).collect();
         let compare =
-            |index: &usize| (!cancel.is_cancelled()).then(|| self.compare(field, &self.areas, *index, 0, MOST_RAYS));
+            |index: &usize| (!cancel.is_cancelled()).then(|| self.compare(field, (Density::Area, *index), MOST_RAYS));
         let found: Vec<Compared> = blunt.par_iter().map(compare).collect::<Option<_>>()?;
         self.sharpened = blunt.last().map_or(self.compared.len(), |last| last + 1);
         for (index, found) in blunt.into_iter().zip(found) {
@@ -188,13 +133,18 @@ impl Certifying {
         Some(())
     }
 
-    /// Kind of the points that are compared next.
+    /// Compares at a point as exactly as the target asks for.
+    fn compare(&self, field: &Field, point: (Density, usize), most_rays: f32) -> Compared {
+        self.sampler.compare(field, point, (NOISE * self.target) as f32, most_rays)
+    }
+
+    /// What is done next.
     fn next(&self) -> Next {
-        if self.total() <= 0.0 {
+        if self.is_empty() {
             return Next::Nothing;
         }
         if !POINTS.contains(&self.compared.len()) {
-            return Next::ByArea;
+            return Next::Points(Density::Area);
         }
         let errors = self.errors(&self.compared);
         let is_kept = bound(&errors, self.risk) <= self.target;
@@ -209,10 +159,12 @@ impl Certifying {
                 return Next::Sharpen;
             }
         }
-        match self.powers.last() {
-            _ if !is_kept && !is_in_vain && self.has_more() => Next::ByArea,
-            Some(power) if *power > 0.0 && !is_in_vain && self.of_power.len() < POINTS_BY_POWER => Next::ByPower,
-            _ => Next::Nothing,
+        if !is_kept && !is_in_vain && self.has_more() {
+            Next::Points(Density::Area)
+        } else if self.sampler.power() > 0.0 && !is_in_vain && self.of_power.len() < POINTS_BY_POWER {
+            Next::Points(Density::Power)
+        } else {
+            Next::Nothing
         }
     }
 
@@ -224,7 +176,7 @@ impl Certifying {
 
     /// Whether more points can be compared.
     pub fn has_more(&self) -> bool {
-        self.total() > 0.0 && self.compared.len() < POINTS[POINTS.len() - 1]
+        !self.is_empty() && self.compared.len() < POINTS[POINTS.len() - 1]
     }
 
     /// Compares at all points from now on, unless the target is seen to be kept: nothing finer will
@@ -240,72 +192,13 @@ impl Certifying {
         [other, self].map(|one| share_beyond(&one.errors(&one.compared[..count]), 0.0, self.target).0)
     }
 
-    fn total(&self) -> f64 {
-        self.areas.last().copied().unwrap_or(0.0)
-    }
-
-    /// A point of a leaf that is drawn by these sums; the salt tells sequences of points apart.
-    fn compare(&self, field: &Field, ends: &[f64], index: usize, salt: u64, most_rays: f32) -> Compared {
-        let seed = hash64(self.seed, salt << 32 | index as u64);
-        // A low-discrepancy sequence over the leaves, so that any number of points is spread
-        // evenly.
-        let [along, _] = r2_sequence(hash64(self.seed, salt + 1), index as u32);
-        let wanted = f64::from(along) * ends[ends.len() - 1];
-        let place = ends.partition_point(|end| *end <= wanted).min(ends.len() - 1);
-        let [u, v] = r2_sequence(hash64(self.seed, salt + 2), index as u32);
-        let point = self.reachable_point(field, self.leaves[place], [u, v], seed);
-        let at = (point.position, point.normal);
-        let error = (NOISE * self.target) as f32;
-        let checked = field.checked_at(at, error, hash64(seed, 3), most_rays);
-        let Checked { found, noise, reading_noise, change, change_noise, is_blunt } = checked;
-        let surface = field.surface(point.polygon);
-        Compared {
-            point,
-            truth: (grey(found.mean) + change).max(0.0),
-            is_blunt,
-            change,
-            noise,
-            reading_noise,
-            change_noise,
-            reflectance: grey(surface.reflectance),
-            emission: grey(surface.emission),
-            by_power: self.by_power(place),
-            rays: found.rays,
-        }
-    }
-
-    /// Density of points by A·|B|² on a leaf, as a multiple of those by area.
-    fn by_power(&self, place: usize) -> f64 {
-        let share = |ends: &[f64]| {
-            let before = if place > 0 { ends[place - 1] } else { 0.0 };
-            (ends[place] - before) / ends[ends.len() - 1].max(f64::MIN_POSITIVE)
-        };
-        share(&self.powers) / share(&self.areas).max(f64::MIN_POSITIVE)
-    }
-
-    /// A point of a leaf that does not hide under something, unless all of it seems to.
-    fn reachable_point(&self, field: &Field, leaf: ElementId, [u, v]: [f32; 2], seed: u64) -> SurfacePoint {
-        let point = field.hierarchy.point_on(leaf, u, v);
-        if !field.patch(leaf).is_hidden_in_part() {
-            return point;
-        }
-        let other = |number: u32| {
-            let [u, v] = r2_sequence(hash64(seed, 6), number);
-            field.hierarchy.point_on(leaf, u, v)
-        };
-        let mut points = std::iter::once(point).chain((0..TRIES).map(other));
-        points
-            .find(|point| !field.is_enclosed(point.position, point.normal, hash64(seed, 7), HIDDEN_RAYS))
-            .unwrap_or(point)
-    }
-
     /// The certificate, once enough points were compared to tell whether the target is kept, or
     /// that it is not.
     pub fn certificate(&self) -> Option<Certificate> {
         if self.next() != Next::Nothing {
             return None;
         }
-        if self.total() <= 0.0 {
+        if self.is_empty() {
             return Some(Certificate::default());
         }
         let errors = self.errors(&self.compared);
@@ -382,7 +275,7 @@ impl Certifying {
 
     /// Whether there is nothing to compare at.
     pub fn is_empty(&self) -> bool {
-        self.total() <= 0.0
+        self.sampler.area() <= 0.0
     }
 
     /// Share of the points, by a scale on which few of them are much, for few often suffice.
@@ -408,6 +301,8 @@ mod tests {
 
     use super::*;
     use crate::gather::Gather;
+    use crate::gather::field::grey;
+    use crate::hierarchy::ElementId;
 
     /// Truth: readings at the same points. They report no more noise than the checks say, which
     /// know the change as exactly as they should and the light itself half as exactly.
@@ -455,10 +350,7 @@ mod tests {
         Certifying {
             target: 0.05,
             risk: RISK,
-            seed: 1,
-            leaves: Vec::new(),
-            areas: Vec::new(),
-            powers: Vec::new(),
+            sampler: LeafSampler::default(),
             further: 1.0,
             dim: 0.1,
             compared,

@@ -12,6 +12,7 @@
 
 mod bound;
 pub mod certificate;
+mod compared;
 mod daylight;
 mod estimator;
 mod facet;

@@ -143,7 +143,6 @@ pub struct Bytes {
     /// Elements with their radiosities, and vertices.
     pub elements: usize,
     /// The gather: its own leaves, and the samples of its looks.
-    #[serde(rename = "rows")]
     pub gather_samples: usize,
     /// All that is counted against the budget: scene, solution, and what is made of them meanwhile.
     pub counted: usize,

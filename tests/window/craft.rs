@@ -125,9 +125,9 @@ fn the_theme_and_the_size_are_a_persons_choice() {
     click(&mut window, words::DARK_THEME);
     assert_eq!(corner(&mut window), dark);
     let before = window.state().view_rect().width();
-    window.get_by_label(words::INTERFACE_SCALE).scroll_to_me();
+    window.get_by_label(words::UI_SCALE).scroll_to_me();
     window.run_steps(6);
-    window.get_by_role_and_label(egui::accesskit::Role::ComboBox, words::INTERFACE_SCALE).click();
+    window.get_by_role_and_label(egui::accesskit::Role::ComboBox, words::UI_SCALE).click();
     window.run_steps(2);
     click(&mut window, "125 %");
     window.run_steps(2);

@@ -15,7 +15,7 @@ use crate::support::{choose, click, coarse, finish, keep, link_choice, until, wi
 const TOOLS: [&str; 6] =
     [words::INSPECTOR, words::LINK_MATRIX, words::CLUSTERS, words::MEASURE, words::COMPARE, words::EXPORT];
 
-/// A window of so many pixels at an interface scale.
+/// A window of so many pixels at a UI scale.
 fn opened([width, height]: [f32; 2], scale: f32) -> Harness<'static, App> {
     let size = [width / scale, height / scale];
     let mut window = window_of_size(size, Some(Source::Builtin(BuiltinScene::Cornell)), coarse());

@@ -1,4 +1,4 @@
-//! The appearance section: theme and interface scale.
+//! The appearance section: theme and UI scale.
 
 use egui::{ComboBox, ThemePreference, Ui};
 
@@ -25,10 +25,10 @@ pub fn show(ui: &mut Ui, appearance: &mut Appearance) {
         });
         themes.response
     });
-    rows::row(ui, words::INTERFACE_SCALE, |ui| {
+    rows::row(ui, words::UI_SCALE, |ui| {
         let percent = |scale: f32| format!("{:.0} %", 100.0 * scale);
         let present = ui.ctx().zoom_factor();
-        let combo = ComboBox::from_id_salt("interface scale").selected_text(percent(present));
+        let combo = ComboBox::from_id_salt("UI scale").selected_text(percent(present));
         let inner = combo.show_ui(ui, |ui| {
             for scale in SCALES {
                 if ui.selectable_label(scale == present, percent(scale)).clicked() {

@@ -2,6 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
+use crate::app::format::things;
 use crate::app::widgets::dialog::PathField;
 
 /// So many recent files are remembered.
@@ -54,9 +55,35 @@ impl Files {
     }
 }
 
+/// Of files dropped together the one to open, a scene before its materials and textures, and a
+/// sentence when others of them are scenes too.
+pub fn choose_dropped(dropped: &[PathBuf]) -> Option<(&Path, Option<String>)> {
+    let is_scene =
+        |path: &Path| path.extension().is_some_and(|extension| EXTENSIONS.iter().any(|known| extension == *known));
+    let scenes: Vec<&PathBuf> = dropped.iter().filter(|path| is_scene(path)).collect();
+    let chosen = scenes.first().copied().or(dropped.first())?;
+    let remark = (scenes.len() > 1).then(|| {
+        let others = things(scenes.len() - 1, "other scene", "other scenes");
+        let name = chosen.file_name().unwrap_or_default().to_string_lossy();
+        format!("Only {name} was opened, and {others} dropped with it left closed: the window shows one at a time.")
+    });
+    Some((chosen, remark))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn of_dropped_files_the_scene_is_opened_and_further_scenes_are_reported() {
+        let paths = |names: &[&str]| -> Vec<PathBuf> { names.iter().map(PathBuf::from).collect() };
+        let chosen =
+            |names: &[&str]| choose_dropped(&paths(names)).map(|(path, remark)| (path.to_owned(), remark.is_some()));
+        assert_eq!(chosen(&[]), None);
+        assert_eq!(chosen(&["a.mtl", "b.png", "a.obj"]), Some(("a.obj".into(), false)));
+        assert_eq!(chosen(&["notes.txt", "b.png"]), Some(("notes.txt".into(), false)));
+        assert_eq!(chosen(&["a.OBJ", "b.glb"]), Some(("a.OBJ".into(), true)));
+    }
 
     #[test]
     fn recent_files_are_listed_once_and_the_last_comes_first() {

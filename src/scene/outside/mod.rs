@@ -4,11 +4,13 @@
 //! whose direction is given or follows from date and place (`solar`). People give both in words
 //! (`spec`); [`Outside`] is what they come to in a scene's own axes.
 
+mod axes;
 mod cie;
 mod perez;
 mod picture;
 mod solar;
 mod spec;
+mod sun;
 mod table;
 
 use std::f64::consts::PI;
@@ -20,15 +22,15 @@ use glam::{DVec3, Vec3};
 use super::files::read_plain_file;
 use super::{Scene, files};
 
+pub use axes::Axes;
 use cie::Formula;
 pub use cie::{CLEAR, LuminanceDistribution};
 pub use picture::SkyPicture;
 pub use solar::{Moment, position};
 pub use spec::{Amount, Daylight, SkyKind, SkySpec, SunPlace, SunSpec};
+pub use sun::{SUN_RADIUS, Sun};
 pub use table::{Drawn, SkyTable};
 
-/// Angular radius of the sun, radians: 16 arc minutes.
-pub const SUN_RADIUS: f32 = 0.004_65;
 /// Rows and columns of the table by which directions of a sky are drawn.
 const TABLE: [usize; 2] = [128, 256];
 /// A sky whose brightest place is no more than so many times its mean is even: cosine-distributed
@@ -67,76 +69,6 @@ pub enum DaylightError {
         /// Why.
         why: String,
     },
-}
-
-/// The axes of the outside in a scene's coordinates.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Axes {
-    east: Vec3,
-    north: Vec3,
-    up: Vec3,
-}
-
-impl Axes {
-    /// Those of a scene whose up is this unit vector along an axis: east is x, north is −z, or y
-    /// where z is up.
-    pub fn with_up(up: Vec3) -> Self {
-        let north = if up.y.abs() > 0.5 { -Vec3::Z } else { Vec3::Y };
-        Self { east: north.cross(up), north, up }
-    }
-
-    /// Azimuth from north towards east and elevation of a direction of the scene, degrees.
-    pub fn angles(&self, direction: DVec3) -> [f32; 2] {
-        let [east, north, up] = [self.east, self.north, self.up].map(|axis| axis.as_dvec3().dot(direction));
-        let azimuth = east.atan2(north).to_degrees().rem_euclid(360.0);
-        [azimuth as f32, up.atan2(east.hypot(north)).to_degrees() as f32]
-    }
-
-    /// A direction of the scene as (east, north, up).
-    fn of_sky(&self, direction: Vec3) -> Vec3 {
-        Vec3::new(self.east.dot(direction), self.north.dot(direction), self.up.dot(direction))
-    }
-
-    /// A direction of the sky in the scene.
-    fn of_scene(&self, direction: Vec3) -> Vec3 {
-        direction.x * self.east + direction.y * self.north + direction.z * self.up
-    }
-}
-
-/// The sun, a disc of even radiance.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Sun {
-    /// Unit vector towards its middle.
-    pub direction: Vec3,
-    /// Irradiance of a face turned to it, W/m² per colour.
-    pub irradiance: Vec3,
-}
-
-impl Sun {
-    /// Radiance of its disc, W/(m²·sr): irradiance over π·sin²r.
-    pub fn radiance(&self) -> Vec3 {
-        self.irradiance / (std::f32::consts::PI * SUN_RADIUS.sin().powi(2))
-    }
-
-    /// Solid angle of its disc, sr.
-    pub fn solid_angle() -> f32 {
-        // 2π(1 − cos r) without cancellation.
-        4.0 * std::f32::consts::PI * (0.5 * SUN_RADIUS).sin().powi(2)
-    }
-
-    /// Whether a direction lies on its disc.
-    pub fn holds(&self, direction: Vec3) -> bool {
-        // The chord tells small angles that a cosine in single precision does not.
-        direction.distance_squared(self.direction) <= (2.0 * (0.5 * SUN_RADIUS).sin()).powi(2)
-    }
-
-    /// The direction that two numbers in 0..1 pick, evenly over the disc's solid angle.
-    pub fn at(&self, [u, v]: [f32; 2]) -> Vec3 {
-        let (east, north) = self.direction.any_orthonormal_pair();
-        let (sine, cosine) = (std::f32::consts::TAU * v).sin_cos();
-        let radius = u.sqrt() * SUN_RADIUS;
-        (self.direction + radius * (cosine * east + sine * north)).normalize()
-    }
 }
 
 /// How the radiance of a sky is found.

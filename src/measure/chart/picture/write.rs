@@ -66,6 +66,10 @@ fn time_of_paths(chart: &PictureChart, flip: f64) -> Option<(f64, &'static str)>
     if flip >= first.flip {
         return Some((first.seconds, "< "));
     }
+    // No power of the time leads to an error of nothing.
+    if flip <= 0.0 {
+        return Some((last.seconds, "> "));
+    }
     let pair = paths.windows(2).find(|pair| pair[1].flip <= flip);
     let Some([before, after]) = pair else { return Some((last.seconds, "> ")) };
     let share = (flip / before.flip).ln() / (after.flip / before.flip).ln();
