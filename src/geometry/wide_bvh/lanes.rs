@@ -62,7 +62,10 @@ impl Node {
 }
 
 impl Leaf {
-    pub const EMPTY: Self = Self { corner: [Vec4::ZERO; 3], first: [Vec4::ZERO; 3], last: [Vec4::ZERO; 3], start: 0 };
+    /// Without triangles, the first of which has this number.
+    pub fn starting_at(start: u32) -> Self {
+        Self { corner: [Vec4::ZERO; 3], first: [Vec4::ZERO; 3], last: [Vec4::ZERO; 3], start }
+    }
 
     pub fn set(&mut self, lane: usize, triangle: &Triangle) {
         for axis in 0..3 {

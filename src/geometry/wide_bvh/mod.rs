@@ -135,7 +135,7 @@ impl WideBvh {
     }
 
     fn add_leaf(&mut self, binary: &Bvh2, node: usize, corners: &[[Vec3A; 3]], order: &mut Vec<u32>) -> u32 {
-        let mut leaf = Leaf { start: order.len() as u32, ..Leaf::EMPTY };
+        let mut leaf = Leaf::starting_at(order.len() as u32);
         let mut waiting = vec![node];
         while let Some(node) = waiting.pop() {
             let node = &binary.nodes[node];

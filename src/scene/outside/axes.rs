@@ -7,7 +7,7 @@ use glam::{DVec3, Vec3};
 pub struct Axes {
     east: Vec3,
     north: Vec3,
-    up: Vec3,
+    pub(super) up: Vec3,
 }
 
 impl Axes {
