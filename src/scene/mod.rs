@@ -367,7 +367,12 @@ impl Scene {
 
     /// Total emitted power Φ = Σ A·B_e per colour, W (for lengths in metres).
     pub fn emitted_power(&self) -> Vec3 {
-        self.polygons.iter().map(|polygon| self.area(polygon) * self.surface(polygon).emission).sum()
+        let power = |polygon: &Polygon| {
+            let emission = self.surface(polygon).emission;
+            // Most polygons emit nothing, and nobody need know their area for that.
+            (emission != Vec3::ZERO).then(|| self.area(polygon) * emission)
+        };
+        self.polygons.iter().filter_map(power).sum()
     }
 
     /// The group's path from the root, levels joined by `/`, without the root's own name.

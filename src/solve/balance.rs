@@ -1,5 +1,7 @@
 //! Where the emitted power goes: a balance whose sides are measured each on its own.
 
+use std::ops::Range;
+
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 
@@ -27,6 +29,8 @@ pub struct PowerBalance {
     pub escaped: DVec3,
 }
 
+/// Elements of one sum, a fixed number so that it is the same for any number of threads.
+const ELEMENTS_AT_ONCE: usize = 1 << 13;
 /// Rays that come in from outside for each that leaves a leaf: few of them find an opening.
 const RAYS_IN: u32 = 4;
 /// Rays that tell whether a point is hidden.
@@ -66,8 +70,13 @@ impl<'a> Lit<'a> {
 
     /// Leaves with their surfaces.
     fn leaves(&self) -> impl Iterator<Item = (ElementId, &'a Surface)> {
+        self.leaves_among(0..self.hierarchy.elements().len())
+    }
+
+    /// Those among a part of the elements.
+    fn leaves_among(&self, elements: Range<usize>) -> impl Iterator<Item = (ElementId, &'a Surface)> {
         let (hierarchy, surfaces) = (self.hierarchy, self.surfaces);
-        hierarchy.ids().filter_map(move |id| match hierarchy.element(id).shape {
+        elements.map(|index| ElementId(index as u32)).filter_map(move |id| match hierarchy.element(id).shape {
             Shape::Patch(patch) if hierarchy.element(id).is_leaf() => Some((id, &surfaces[patch.polygon as usize])),
             _ => None,
         })
@@ -81,7 +90,13 @@ impl<'a> Lit<'a> {
         let of_leaf = |(leaf, surface): (ElementId, &Surface)| {
             self.area(leaf) * (self.irradiance[leaf.index()] * (Vec3::ONE - surface.reflectance)).as_dvec3()
         };
-        self.leaves().map(of_leaf).sum()
+        let elements = self.hierarchy.elements().len();
+        let of_chunk = |chunk: usize| -> DVec3 {
+            let first = chunk * ELEMENTS_AT_ONCE;
+            self.leaves_among(first..elements.min(first + ELEMENTS_AT_ONCE)).map(of_leaf).sum()
+        };
+        let chunks = (0..elements.div_ceil(ELEMENTS_AT_ONCE)).into_par_iter().map(of_chunk);
+        chunks.collect::<Vec<_>>().into_iter().sum()
     }
 }
 

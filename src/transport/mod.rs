@@ -16,6 +16,7 @@
 
 mod audit;
 mod bounds;
+mod by_target;
 mod candidate;
 mod closure;
 mod coarsen;
@@ -28,6 +29,7 @@ mod nodes;
 mod oracle;
 mod pair_samples;
 mod push;
+mod push_weights;
 mod recheck;
 mod refine;
 mod rules;

@@ -13,22 +13,15 @@
 use glam::Vec3;
 use rayon::prelude::*;
 
-use super::form_factor::CLUSTER_COSINE;
+use super::by_target::ByTarget;
 use super::harmonics::{IrradianceHarmonics, NormalMoments, normal_moments};
 use super::link::{Link, LinkTable};
 use super::nodes::{Kind, Nodes};
-use super::rules::{ClusterModel, LinkRules, Push};
+use super::push_weights::{PushWeights, Target, cosine_of, cosine_towards, meets_each, push_weights};
+use super::rules::{LinkRules, Push};
 use super::stem::{Stem, StemElement};
 use crate::base::cancel::CancelToken;
-use crate::hierarchy::{Cluster, Element, ElementId, Hierarchy, Shape};
-
-/// Links of clusters of up to this many patches meet each of these by itself.
-const MOST_MET: usize = 64;
-/// Clusters of more patches than this have harmonics.
-const MOST_WITHOUT_HARMONICS: usize = 8;
-/// A cluster takes a light as from one direction where the source is farther than so many of its
-/// radii.
-const FAR: f32 = 3.0;
+use crate::hierarchy::{ElementId, Hierarchy, Shape};
 
 /// Moves the light of one table of links to where they end, and on to the patches below.
 pub struct Pusher<'a> {
@@ -36,8 +29,13 @@ pub struct Pusher<'a> {
     links: &'a LinkTable,
     /// How each link's light is handed down, in the order of the table.
     weights: Vec<PushWeights>,
-    /// Targets of the links of large clusters.
-    link_targets: Vec<LinkTargets>,
+    /// The links of large clusters, by their place in the table.
+    targeted: Vec<usize>,
+    /// For each of the harmonics the lights that go into them: which of `targeted`, from where.
+    lights: ByTarget<(u32, Vec3)>,
+    /// For each element of the stem the lights that meet it by itself: which of `targeted`, by which
+    /// cosine.
+    meetings: ByTarget<(u32, f32)>,
     /// The part of the tree that all of these end in.
     stem: Stem,
     /// Place in the stem of each link's source, in the order of the table.
@@ -61,62 +59,8 @@ pub struct Arrived {
     harmonics: Vec<IrradianceHarmonics>,
 }
 
-/// How a link's light is handed down, in multiples of the receiver's mean irradiance.
-#[derive(Clone, Copy, Debug)]
-struct PushWeights {
-    /// To a face turned to the source; each patch gets its cosine's share.
-    beam: f32,
-    /// To every patch, whichever way it faces.
-    even: f32,
-}
-
-/// Where the light of one link of a large cluster goes.
-struct LinkTargets {
-    place: usize,
-    targets: Vec<Target>,
-}
-
-/// A part of a cluster that takes a link's light.
-#[derive(Clone, Copy)]
-enum Target {
-    /// A cluster, which sees the source in this direction.
-    Cluster(ElementId, Vec3),
-    /// A patch, by its cosine towards the source.
-    Patch(ElementId, f32),
-}
-
-impl Target {
-    fn id(&self) -> ElementId {
-        match *self {
-            Self::Cluster(id, _) | Self::Patch(id, _) => id,
-        }
-    }
-}
-
 /// Stands for "no such cluster".
 const NONE: u32 = u32::MAX;
-
-impl PushWeights {
-    const EVEN: Self = Self { beam: 0.0, even: 1.0 };
-
-    /// A beam of one over the mean cosine of the cluster's patches towards the source, so that
-    /// together they get the power that the link carries. For randomly turned faces this is the 4
-    /// of the paper's model, whose mean cosine is ¼. What would give a face more than the source
-    /// sends out is handed down evenly.
-    ///
-    /// The isotropic model has that 4 whichever way the patches are turned, so that their light may
-    /// be more or less than the link's.
-    fn new(model: ClusterModel, mean_cosine: f32, link: &Link) -> Self {
-        if model == ClusterModel::Isotropic {
-            return Self { beam: CLUSTER_COSINE.recip().min(link.form_factor.recip()), even: 0.0 };
-        }
-        if mean_cosine <= 0.0 {
-            return Self::EVEN;
-        }
-        let beam = mean_cosine.recip().min(link.form_factor.recip());
-        Self { beam, even: (1.0 - beam * mean_cosine).max(0.0) }
-    }
-}
 
 impl<'a> Pusher<'a> {
     /// Prepares to hand down the light of these links over clusters with these moments.
@@ -149,13 +93,13 @@ impl<'a> Pusher<'a> {
                 _ => None,
             })
         };
-        let targets = link_targets.iter().flat_map(|targeted| &targeted.targets);
+        let targets = || link_targets.iter().flat_map(|targeted| &targeted.targets);
         let ends = receivers
             .iter()
             .copied()
             .chain(links.all().iter().map(Link::source))
             .chain(small_clusters().flat_map(|(_, patches)| patches.iter().copied()))
-            .chain(targets.clone().map(|target| target.id()));
+            .chain(targets().map(Target::id));
         let stem = Stem::new(nodes, ends);
         let sources = links.all().par_iter().map(|link| stem.place(link.source().index()) as u32).collect();
         let mut lit_around = vec![NONE; stem.elements().len()];
@@ -167,7 +111,7 @@ impl<'a> Pusher<'a> {
             patches.iter().for_each(|patch| lit_around[place(patch)] = lit.len() as u32 - 1);
         }
         let mut has_own = vec![false; stem.elements().len()];
-        for target in targets {
+        for target in targets() {
             if let Target::Cluster(id, _) = target {
                 has_own[stem.place(id.index())] = true;
             }
@@ -178,7 +122,34 @@ impl<'a> Pusher<'a> {
             harmonics_of.push(if has_own { harmonics_around.len() as u32 } else { around });
             harmonics_around.extend(has_own.then_some(around));
         }
-        Self { hierarchy, links, weights, link_targets, stem, sources, lit, lit_around, harmonics_of, harmonics_around }
+        let numbered = || {
+            let numbered = link_targets.iter().zip(0_u32..);
+            numbered.flat_map(|(targeted, number)| targeted.targets.iter().map(move |target| (number, target)))
+        };
+        let lights = numbered().filter_map(|(number, target)| match *target {
+            Target::Cluster(id, direction) => {
+                Some((harmonics_of[stem.place(id.index())] as usize, (number, direction)))
+            }
+            Target::Patch(..) => None,
+        });
+        let meetings = numbered().filter_map(|(number, target)| match *target {
+            Target::Patch(id, cosine) => Some((stem.place(id.index()), (number, cosine))),
+            Target::Cluster(..) => None,
+        });
+        Self {
+            lights: ByTarget::new(harmonics_around.len(), lights),
+            meetings: ByTarget::new(stem.elements().len(), meetings),
+            targeted: link_targets.iter().map(|targeted| targeted.place).collect(),
+            hierarchy,
+            links,
+            weights,
+            stem,
+            sources,
+            lit,
+            lit_around,
+            harmonics_of,
+            harmonics_around,
+        }
     }
 
     /// The part of the tree that links end in.
@@ -190,25 +161,28 @@ impl<'a> Pusher<'a> {
     /// link's source in the stem; `None` if cancelled.
     pub fn push(&self, flux: &(impl Fn(&Link, usize) -> Vec3 + Sync), cancel: &CancelToken) -> Option<Arrived> {
         let flux_at = &|place: usize| flux(&self.links.all()[place], self.sources[place] as usize);
-        let mut harmonics = vec![IrradianceHarmonics::default(); self.harmonics_around.len()];
-        let mut met = vec![Vec3::ZERO; self.stem.elements().len()];
-        for targeted in &self.link_targets {
-            let flux = flux_at(targeted.place) * self.weights[targeted.place].beam;
-            for target in &targeted.targets {
-                let place = self.stem.place(target.id().index());
-                match *target {
-                    Target::Cluster(_, direction) => harmonics[self.harmonics_of[place] as usize].add(flux, direction),
-                    Target::Patch(_, cosine) => met[place] += cosine * flux,
-                }
+        let beamed: Vec<Vec3> = self
+            .targeted
+            .par_iter()
+            .with_min_len(256)
+            .map(|&place| flux_at(place) * self.weights[place].beam)
+            .collect();
+        let of_cluster = |number: usize| {
+            let mut harmonics = IrradianceHarmonics::default();
+            for (light, direction) in self.lights.of(number) {
+                harmonics.add(beamed[*light as usize], *direction);
             }
-        }
+            harmonics
+        };
+        let clusters = 0..self.harmonics_around.len();
+        let mut harmonics: Vec<_> = clusters.into_par_iter().with_min_len(8).map(of_cluster).collect();
         for (number, around) in self.harmonics_around.iter().enumerate() {
             if let Some(around) = harmonics.get(*around as usize).copied() {
                 harmonics[number].join(&around);
             }
         }
         let beams = self.beams(flux_at);
-        let own = |(place, met): (usize, Vec3)| {
+        let own = |place: usize| {
             if cancel.is_cancelled() {
                 return Vec3::ZERO;
             }
@@ -219,9 +193,12 @@ impl<'a> Pusher<'a> {
             let own: Vec3 = links.map(|((link, source), weights)| weights.even * flux(link, *source as usize)).sum();
             let is_initial = element.node.is_patch()
                 && element.parent().is_some_and(|parent| self.stem.elements()[parent].node.kind == Kind::Cluster);
-            if is_initial { own + met + self.pushed_to(place, &beams, &harmonics) } else { own }
+            let meetings = self.meetings.of(place).iter();
+            let met = meetings.map(|(light, cosine)| *cosine * beamed[*light as usize]);
+            if is_initial { own + met.sum::<Vec3>() + self.pushed_to(place, &beams, &harmonics) } else { own }
         };
-        let mut even: Vec<Vec3> = met.into_par_iter().enumerate().with_min_len(256).map(own).collect();
+        let places = 0..self.stem.elements().len();
+        let mut even: Vec<Vec3> = places.into_par_iter().with_min_len(256).map(own).collect();
         for (place, element) in self.stem.elements().iter().enumerate() {
             if let Some(parent) = element.parent() {
                 even[place] = even[parent] + even[place];
@@ -311,89 +288,6 @@ impl<'a> Inspector<'a> {
             Shape::Sky(_) => Vec3::ZERO,
         }
     }
-}
-
-/// How a link is handed down, and to which parts of a large cluster.
-fn push_weights(
-    hierarchy: &Hierarchy,
-    normal_moments: &[NormalMoments],
-    rules: &LinkRules,
-    (receiver, link): (ElementId, &Link),
-    place: usize,
-) -> (PushWeights, Option<LinkTargets>) {
-    let (element, model) = (hierarchy.element(receiver), rules.cluster_model);
-    let Shape::Cluster(cluster) = &element.shape else { return (PushWeights::EVEN, None) };
-    // A self-link has no direction.
-    if rules.push == Push::Deferred || link.source() == receiver || element.area <= 0.0 {
-        return (PushWeights::EVEN, None);
-    }
-    let from = hierarchy.element(link.source()).centre;
-    if meets_each(hierarchy, cluster) {
-        let below = hierarchy.patches_below(cluster).iter().map(|&id| hierarchy.element(id));
-        let seen = below.map(|patch| patch.area * cosine_of(patch, from));
-        return (PushWeights::new(model, seen.sum::<f32>() / element.area, link), None);
-    }
-    let mut targets = Vec::new();
-    let seen = collect_targets(hierarchy, normal_moments, receiver, from, &mut targets);
-    let weights = PushWeights::new(model, seen / element.area, link);
-    let targeted = (weights.beam > 0.0).then_some(LinkTargets { place, targets });
-    (weights, targeted)
-}
-
-/// Finds the parts of a cluster that take a light from a point; returns the sum of their areas
-/// times mean cosines, m².
-fn collect_targets(
-    hierarchy: &Hierarchy,
-    normal_moments: &[NormalMoments],
-    id: ElementId,
-    from: Vec3,
-    targets: &mut Vec<Target>,
-) -> f32 {
-    let element = hierarchy.element(id);
-    match &element.shape {
-        Shape::Patch(patch) => {
-            let cosine = cosine_towards(element.centre, patch.normal, from);
-            if cosine > 0.0 {
-                targets.push(Target::Patch(id, cosine));
-            }
-            element.area * cosine
-        }
-        Shape::Cluster(cluster) => {
-            let towards = from - element.centre;
-            let is_far = towards.length_squared() > FAR * FAR * cluster.half_extent.length_squared();
-            if is_far && has_harmonics(hierarchy, cluster) {
-                let direction = towards.normalize();
-                targets.push(Target::Cluster(id, direction));
-                return element.area * normal_moments[cluster.number as usize].mean_cosine(direction);
-            }
-            element.children().map(|child| collect_targets(hierarchy, normal_moments, child, from, targets)).sum()
-        }
-        Shape::Sky(_) => 0.0,
-    }
-}
-
-fn meets_each(hierarchy: &Hierarchy, cluster: &Cluster) -> bool {
-    hierarchy.patches_below(cluster).len() <= MOST_MET
-}
-
-fn has_harmonics(hierarchy: &Hierarchy, cluster: &Cluster) -> bool {
-    hierarchy.patches_below(cluster).len() > MOST_WITHOUT_HARMONICS
-}
-
-/// Positive cosine of a patch towards a point.
-fn cosine_of(element: &Element, point: Vec3) -> f32 {
-    match element.shape {
-        Shape::Patch(patch) => cosine_towards(element.centre, patch.normal, point),
-        Shape::Cluster(_) | Shape::Sky(_) => 0.0,
-    }
-}
-
-/// Positive cosine of a face towards a point.
-#[inline]
-fn cosine_towards(centre: Vec3, normal: Vec3, point: Vec3) -> f32 {
-    let towards = point - centre;
-    let height = normal.dot(towards);
-    if height > 0.0 { height * towards.length_recip() } else { 0.0 }
 }
 
 /// Light on its way into a small cluster.

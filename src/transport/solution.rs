@@ -354,5 +354,5 @@ impl LinkSolution {
 }
 
 pub(super) fn surfaces_of(scene: &Scene) -> Vec<Surface> {
-    scene.polygons.iter().map(|polygon| scene.surface(polygon)).collect()
+    scene.polygons.par_iter().with_min_len(1 << 12).map(|polygon| scene.surface(polygon)).collect()
 }
