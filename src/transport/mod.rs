@@ -16,7 +16,6 @@
 
 mod audit;
 mod bounds;
-mod by_target;
 mod candidate;
 mod closure;
 mod coarsen;

@@ -13,11 +13,10 @@
 use glam::Vec3;
 use rayon::prelude::*;
 
-use super::by_target::ByTarget;
 use super::harmonics::{IrradianceHarmonics, NormalMoments, normal_moments};
 use super::link::{Link, LinkTable};
 use super::nodes::{Kind, Nodes};
-use super::push_weights::{PushWeights, Target, cosine_of, cosine_towards, meets_each, push_weights};
+use super::push_weights::{LinkTargets, PushWeights, Target, cosine_of, cosine_towards, meets_each, push_weights};
 use super::rules::{LinkRules, Push};
 use super::stem::{Stem, StemElement};
 use crate::base::cancel::CancelToken;
@@ -29,13 +28,8 @@ pub struct Pusher<'a> {
     links: &'a LinkTable,
     /// How each link's light is handed down, in the order of the table.
     weights: Vec<PushWeights>,
-    /// The links of large clusters, by their place in the table.
-    targeted: Vec<usize>,
-    /// For each of the harmonics the lights that go into them: which of `targeted`, from where.
-    lights: ByTarget<(u32, Vec3)>,
-    /// For each element of the stem the lights that meet it by itself: which of `targeted`, by which
-    /// cosine.
-    meetings: ByTarget<(u32, f32)>,
+    /// Targets of the links of large clusters.
+    link_targets: Vec<LinkTargets>,
     /// The part of the tree that all of these end in.
     stem: Stem,
     /// Place in the stem of each link's source, in the order of the table.
@@ -122,34 +116,7 @@ impl<'a> Pusher<'a> {
             harmonics_of.push(if has_own { harmonics_around.len() as u32 } else { around });
             harmonics_around.extend(has_own.then_some(around));
         }
-        let numbered = || {
-            let numbered = link_targets.iter().zip(0_u32..);
-            numbered.flat_map(|(targeted, number)| targeted.targets.iter().map(move |target| (number, target)))
-        };
-        let lights = numbered().filter_map(|(number, target)| match *target {
-            Target::Cluster(id, direction) => {
-                Some((harmonics_of[stem.place(id.index())] as usize, (number, direction)))
-            }
-            Target::Patch(..) => None,
-        });
-        let meetings = numbered().filter_map(|(number, target)| match *target {
-            Target::Patch(id, cosine) => Some((stem.place(id.index()), (number, cosine))),
-            Target::Cluster(..) => None,
-        });
-        Self {
-            lights: ByTarget::new(harmonics_around.len(), lights),
-            meetings: ByTarget::new(stem.elements().len(), meetings),
-            targeted: link_targets.iter().map(|targeted| targeted.place).collect(),
-            hierarchy,
-            links,
-            weights,
-            stem,
-            sources,
-            lit,
-            lit_around,
-            harmonics_of,
-            harmonics_around,
-        }
+        Self { hierarchy, links, weights, link_targets, stem, sources, lit, lit_around, harmonics_of, harmonics_around }
     }
 
     /// The part of the tree that links end in.
@@ -161,28 +128,25 @@ impl<'a> Pusher<'a> {
     /// link's source in the stem; `None` if cancelled.
     pub fn push(&self, flux: &(impl Fn(&Link, usize) -> Vec3 + Sync), cancel: &CancelToken) -> Option<Arrived> {
         let flux_at = &|place: usize| flux(&self.links.all()[place], self.sources[place] as usize);
-        let beamed: Vec<Vec3> = self
-            .targeted
-            .par_iter()
-            .with_min_len(256)
-            .map(|&place| flux_at(place) * self.weights[place].beam)
-            .collect();
-        let of_cluster = |number: usize| {
-            let mut harmonics = IrradianceHarmonics::default();
-            for (light, direction) in self.lights.of(number) {
-                harmonics.add(beamed[*light as usize], *direction);
+        let mut harmonics = vec![IrradianceHarmonics::default(); self.harmonics_around.len()];
+        let mut met = vec![Vec3::ZERO; self.stem.elements().len()];
+        for targeted in &self.link_targets {
+            let flux = flux_at(targeted.place) * self.weights[targeted.place].beam;
+            for target in &targeted.targets {
+                let place = self.stem.place(target.id().index());
+                match *target {
+                    Target::Cluster(_, direction) => harmonics[self.harmonics_of[place] as usize].add(flux, direction),
+                    Target::Patch(_, cosine) => met[place] += cosine * flux,
+                }
             }
-            harmonics
-        };
-        let clusters = 0..self.harmonics_around.len();
-        let mut harmonics: Vec<_> = clusters.into_par_iter().with_min_len(8).map(of_cluster).collect();
+        }
         for (number, around) in self.harmonics_around.iter().enumerate() {
             if let Some(around) = harmonics.get(*around as usize).copied() {
                 harmonics[number].join(&around);
             }
         }
         let beams = self.beams(flux_at);
-        let own = |place: usize| {
+        let own = |(place, met): (usize, Vec3)| {
             if cancel.is_cancelled() {
                 return Vec3::ZERO;
             }
@@ -193,12 +157,9 @@ impl<'a> Pusher<'a> {
             let own: Vec3 = links.map(|((link, source), weights)| weights.even * flux(link, *source as usize)).sum();
             let is_initial = element.node.is_patch()
                 && element.parent().is_some_and(|parent| self.stem.elements()[parent].node.kind == Kind::Cluster);
-            let meetings = self.meetings.of(place).iter();
-            let met = meetings.map(|(light, cosine)| *cosine * beamed[*light as usize]);
-            if is_initial { own + met.sum::<Vec3>() + self.pushed_to(place, &beams, &harmonics) } else { own }
+            if is_initial { own + met + self.pushed_to(place, &beams, &harmonics) } else { own }
         };
-        let places = 0..self.stem.elements().len();
-        let mut even: Vec<Vec3> = places.into_par_iter().with_min_len(256).map(own).collect();
+        let mut even: Vec<Vec3> = met.into_par_iter().enumerate().with_min_len(256).map(own).collect();
         for (place, element) in self.stem.elements().iter().enumerate() {
             if let Some(parent) = element.parent() {
                 even[place] = even[parent] + even[place];
