@@ -62,7 +62,7 @@ pub struct LeafSampler {
 }
 
 impl LeafSampler {
-    /// Those of a field.
+    /// Over the leaves of a field; one seed draws the same points whatever the light is.
     pub fn new(field: &Field, seed: u64) -> Self {
         let leaves: Vec<ElementId> = field.leaves().filter(|leaf| !field.emits(*leaf)).collect();
         let (mut sum, mut power, mut reflecting) = (0.0, 0.0, 0.0);

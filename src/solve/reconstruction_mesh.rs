@@ -92,7 +92,7 @@ impl ReconstructionMesh {
             patches.iter().for_each(|patch| hierarchy.leaves_below(*patch, &mut |leaf| builder.add_leaf(leaf)));
             builder.part
         };
-        let mut joined = Joined::of_hierarchy(hierarchy);
+        let mut joined = Joined::for_leaves(hierarchy.leaf_count());
         for patches in hierarchy.initial_patches().chunks(PARTS_AT_ONCE * PATCHES_OF_PART) {
             let parts: Vec<Part> = patches.par_chunks(PATCHES_OF_PART).map(part).collect();
             parts.iter().for_each(|part| joined.append(part));
@@ -104,13 +104,11 @@ impl ReconstructionMesh {
         let mut first_triangles = vec![0; own.len() + 1];
         mesh.triangle_leaf.iter().for_each(|leaf| first_triangles[*leaf as usize + 1] += 1);
         (0..own.len()).for_each(|leaf| first_triangles[leaf + 1] += first_triangles[leaf]);
-        if hierarchy.elements().len() > link_elements {
-            for leaf in &mut mesh.leaves {
-                while leaf.element.index() >= link_elements
-                    && let Some(parent) = hierarchy.element(leaf.element).parent()
-                {
-                    leaf.element = parent;
-                }
+        for leaf in &mut mesh.leaves {
+            while leaf.element.index() >= link_elements
+                && let Some(parent) = hierarchy.element(leaf.element).parent()
+            {
+                leaf.element = parent;
             }
         }
         Self {
@@ -185,7 +183,7 @@ const PARTS_AT_ONCE: usize = 16;
 #[derive(Default)]
 struct Part {
     mesh: Mesh,
-    /// Hierarchy vertex and smooth surface of each vertex that other parts may have too.
+    /// Hierarchy vertex and smooth surface of each vertex; `None` for the middle of a leaf.
     keys: Vec<Option<(u32, u32)>>,
     /// (mesh vertex, leaf, weight) in the order found.
     contributions: Vec<(u32, u32, f32)>,
@@ -281,10 +279,9 @@ impl<'a> MeshBuilder<'a> {
 
     fn vertex(&mut self, vertex: u32, surface: u32) -> u32 {
         let (part, hierarchy) = (&mut self.part, self.hierarchy);
-        let is_shared = self.kind == MeshKind::Shared;
         *self.vertex_of.entry((vertex, surface)).or_insert_with(|| {
             part.mesh.positions.push(hierarchy.vertices()[vertex as usize].to_array());
-            part.keys.push(is_shared.then_some((vertex, surface)));
+            part.keys.push(Some((vertex, surface)));
             part.keys.len() as u32 - 1
         })
     }
@@ -312,51 +309,15 @@ impl<'a> MeshBuilder<'a> {
 /// The mesh of several parts, which share vertices.
 struct Joined {
     mesh: Mesh,
-    shared: SharedVertices,
+    /// Mesh vertex by (hierarchy vertex, smooth surface).
+    vertex_of: FxHashMap<(u32, u32), u32>,
     /// (mesh vertex, leaf, weight).
     contributions: Vec<(u32, u32, f32)>,
 }
 
-/// Mesh vertices by hierarchy vertex and smooth surface. Few surfaces meet in a vertex, so a table
-/// with short lists is made and read in less time than a hash table.
-struct SharedVertices {
-    /// The last mesh vertex of each hierarchy vertex.
-    last: Vec<u32>,
-    /// Of each mesh vertex its surface, and the one before it of the same hierarchy vertex.
-    before: Vec<(u32, u32)>,
-}
-
-impl SharedVertices {
-    /// Stands for "no vertex".
-    const NONE: u32 = u32::MAX;
-
-    /// The mesh vertex with this key, if there is one yet.
-    fn get(&self, (vertex, surface): (u32, u32)) -> Option<u32> {
-        let mut next = self.last[vertex as usize];
-        while next != Self::NONE {
-            let (own, before) = self.before[next as usize];
-            if own == surface {
-                return Some(next);
-            }
-            next = before;
-        }
-        None
-    }
-
-    /// Takes up the next mesh vertex.
-    fn push(&mut self, key: Option<(u32, u32)>) {
-        let number = self.before.len() as u32;
-        self.before.push(match key {
-            Some((vertex, surface)) => (surface, std::mem::replace(&mut self.last[vertex as usize], number)),
-            None => (Self::NONE, Self::NONE),
-        });
-    }
-}
-
 impl Joined {
-    /// With room for the leaves of a hierarchy.
-    fn of_hierarchy(hierarchy: &Hierarchy) -> Self {
-        let (leaves, vertices) = (hierarchy.leaf_count(), hierarchy.vertices().len());
+    /// With room for so many leaves.
+    fn for_leaves(leaves: usize) -> Self {
         let mesh = Mesh {
             triangles: Vec::with_capacity(2 * leaves),
             triangle_leaf: Vec::with_capacity(2 * leaves),
@@ -364,19 +325,19 @@ impl Joined {
             leaves: Vec::with_capacity(leaves),
             ..Mesh::default()
         };
-        let shared = SharedVertices { last: vec![SharedVertices::NONE; vertices], before: Vec::new() };
-        Self { mesh, shared, contributions: Vec::with_capacity(4 * leaves) }
+        Self { mesh, vertex_of: FxHashMap::default(), contributions: Vec::with_capacity(4 * leaves) }
     }
 
     fn append(&mut self, Part { mesh: part, keys, contributions }: &Part) {
         let mesh = &mut self.mesh;
         let first_leaf = mesh.leaves.len() as u32;
-        let place = |(key, position): (&Option<(u32, u32)>, &[f32; 3])| {
-            key.and_then(|key| self.shared.get(key)).unwrap_or_else(|| {
-                self.shared.push(*key);
-                mesh.positions.push(*position);
-                mesh.positions.len() as u32 - 1
-            })
+        let mut add = |position: [f32; 3]| {
+            mesh.positions.push(position);
+            mesh.positions.len() as u32 - 1
+        };
+        let place = |(key, position): (&Option<(u32, u32)>, &[f32; 3])| match key {
+            Some(key) => *self.vertex_of.entry(*key).or_insert_with(|| add(*position)),
+            None => add(*position),
         };
         let places: Vec<u32> = keys.iter().zip(&part.positions).map(place).collect();
         let of = |vertex: u32| places[vertex as usize];

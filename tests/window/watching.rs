@@ -32,6 +32,37 @@ fn says(window: &Harness<'static, App>, text: &str) -> bool {
     window.query_all_by_label_contains(text).next().is_some()
 }
 
+#[derive(Debug)]
+struct Dropped(PathBuf);
+
+impl egui::DroppedFile for Dropped {
+    fn path(&self) -> &Path {
+        &self.0
+    }
+
+    fn bytes(&self) -> Result<Vec<u8>, String> {
+        std::fs::read(&self.0).map_err(|error| error.to_string())
+    }
+}
+
+/// A scene is opened whichever file of those dropped comes first, and others are not passed over in
+/// silence.
+#[test]
+fn of_files_dropped_together_the_scene_is_opened() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let path = |name: &str| folder.path().join(name);
+    write(&path("room.mtl"), MATERIALS);
+    write(&path("room.obj"), &room(""));
+    write(&path("other.obj"), &room("f 1 2 6 5\n"));
+    let mut window = crate::support::cornell(coarse());
+    for name in ["room.mtl", "room.obj", "other.obj"] {
+        window.input_mut().dropped_files.push(std::sync::Arc::new(Dropped(path(name))));
+    }
+    until(&mut window, "the dropped scene", |window| polygons(window) == 2);
+    assert!(says(&window, "Only room.obj is opened"));
+    crate::support::keep(&mut window, "dropped");
+}
+
 #[test]
 fn a_changed_file_is_offered_and_a_vanished_one_is_said_once() {
     let folder = tempfile::tempdir().expect("a temporary folder");

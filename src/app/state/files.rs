@@ -65,7 +65,7 @@ pub fn choose_dropped(dropped: &[PathBuf]) -> Option<(&Path, Option<String>)> {
     let remark = (scenes.len() > 1).then(|| {
         let others = things(scenes.len() - 1, "other scene", "other scenes");
         let name = chosen.file_name().unwrap_or_default().to_string_lossy();
-        format!("Only {name} was opened, and {others} dropped with it left closed: the window shows one at a time.")
+        format!("Only {name} is opened, not the {others} dropped with it: the window shows one at a time.")
     });
     Some((chosen, remark))
 }

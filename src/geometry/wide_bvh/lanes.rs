@@ -9,6 +9,7 @@ pub const LANES: usize = 4;
 /// Rounding may set the far side of a box nearer by this share of its distance: 1 + 2γ(3) \[Ize:
 /// *Robust BVH ray traversal*, JCGT 2(2), 2013\], and some more.
 const FARTHER: f32 = 1.0 + 4.0 * f32::EPSILON;
+
 /// Four boxes with what they hold.
 #[derive(Clone, Copy)]
 #[repr(align(16))]
@@ -36,7 +37,7 @@ pub struct Lines {
     direction: [Vec4; 3],
     inverse: [Vec4; 3],
     /// Along each axis the bound that the ray meets first: 0 for the least.
-    pub nearer: [usize; 3],
+    nearer: [usize; 3],
 }
 
 impl Node {

@@ -107,6 +107,8 @@ mod tests {
         };
         let at = |flip| time_of_paths(&chart, flip).expect("there are paths");
         assert_eq!((at(0.5), at(0.2), at(0.05)), ((1.0, "< "), (2.0, ""), (4.0, "> ")));
+        let exact = PictureChart { pictures: vec![paths(1.0, 0.4), paths(2.0, 0.0)], ..chart.clone() };
+        assert_eq!(time_of_paths(&exact, 0.0), Some((2.0, "> ")));
         assert!((at(0.2 * 0.5_f64.sqrt()).0 - 2.0 * 2.0_f64.sqrt()).abs() < 1e-12);
         let table = picture_table(&chart);
         assert!(table.contains("| gathered, 5.0 % | 0.2000 |") && table.contains("| 4.0 |"), "{table}");
